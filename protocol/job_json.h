@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Job specs between JSON and structs, driven by the field tables of src/spec. */
+#ifndef SCREE_PROTOCOL_JOB_JSON_H
+#define SCREE_PROTOCOL_JOB_JSON_H
+
+#include "protocol/json.h"
+#include "spec/spec.h"
+
+/* Decodes and range-checks a job (not job_check's scenario rules, which need a
+ * memory limit). Errors carry the JSON path, value, range and unit, and for an
+ * unknown key the nearest known one. */
+enum scree_status job_decode(const cJSON *json, struct job_spec *out, struct scree_error *err);
+
+/* The resolved spec: every value spelled out. NULL on lack of memory.
+ * job_decode(job_encode(j)) gives j again, to the bit. */
+cJSON *job_encode(const struct job_spec *job);
+
+/* Applies `path=value` (as of `--set`) to a job's JSON before decoding: the value
+ * is read as JSON if it is JSON, else as a string. Creates objects on the way. */
+enum scree_status job_json_set(cJSON *json, const char *assignment, struct scree_error *err);
+
+/* A table, or everything about a scenario or a preset, as JSON (what
+ * `scree scenarios --json` prints). */
+cJSON *table_describe(const struct field_table *table);
+cJSON *scenario_describe(const struct scenario_fields *scenario);
+cJSON *material_describe(const struct material_preset *preset);
+
+#endif

@@ -1,0 +1,247 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A world of grains: made, looked at, freed. What happens in between is in step.c. */
+#include "dem/dem.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/cpu.h"
+#include "base/memory.h"
+#include "base/vec3.h"
+#include "dem/state.h"
+
+/* Measured: see README.md. */
+#define SKIN_SHARE  0.3    // of a grain's diameter
+#define STRAY_SHARE 0.0005 // of a grain's diameter, to begin with
+enum { HORIZON_STEPS = 100 };
+
+const struct kernels *kernels_for(enum cpu_isa isa)
+{
+    static const struct kernels *const all[CPU_ISA_COUNT] = {&kernels_v2, &kernels_v3, &kernels_v4};
+    return all[isa];
+}
+
+static void fill_shifts(struct dem *dem)
+{
+    for (int code = 0; code < IMAGE_CODES; code++) {
+        int rest = code;
+        for (int a = 0; a < 3; a++) {
+            dem->shift[code][a] = (rest % IMAGE_BASE - IMAGE_REACH) * dem->length[a];
+            rest /= IMAGE_BASE;
+        }
+    }
+}
+
+static void fill_row(struct dem *dem, size_t row, uint32_t id, const struct dem_grain *grain)
+{
+    double r = grain->radius, mass = grain->density * (4.0 / 3.0) * M_PI * r * r * r;
+    for (int a = 0; a < 3; a++) {
+        dem->position[row][a] = grain->position[a];
+        /* v(-1/2) without gravity's kick: see state.h. Contacts at t = 0 exert no force yet. */
+        dem->velocity[row][a] = grain->fixed ? 0 : grain->velocity[a] - 0.5 * dem->gravity[a] * dem->step_s;
+        dem->spin[row][a] = grain->fixed ? 0 : grain->spin[a];
+    }
+    dem->position[row][3] = r;
+    dem->velocity[row][3] = grain->fixed ? 0 : dem->step_s / mass;
+    dem->spin[row][3] = grain->fixed ? 0 : dem->step_s / (0.4 * mass * r * r);
+    dem->id[row] = id;
+    dem->mass[row] = mass;
+    if (r > dem->largest_radius)
+        dem->largest_radius = r;
+}
+
+static enum scree_status fill_rows(struct dem *dem, const struct dem_setup *setup, struct scree_error *err)
+{
+    size_t n = setup->grain_count;
+    dem->grains = n;
+    for (size_t k = 0; k < n; k++)
+        dem->moving += !setup->grains[k].fixed;
+    dem->position = memory_rows(n, sizeof *dem->position);
+    dem->velocity = memory_rows(n, sizeof *dem->velocity);
+    dem->spin = memory_rows(n, sizeof *dem->spin);
+    dem->position0 = memory_rows(dem->moving, sizeof *dem->position0);
+    dem->velocity0 = memory_rows(dem->moving, sizeof *dem->velocity0);
+    dem->id = memory_rows(n, sizeof *dem->id);
+    dem->mass = memory_rows(n, sizeof *dem->mass);
+    dem->walls = memory_rows(setup->wall_count, sizeof *dem->walls);
+    if (!dem->position || !dem->velocity || !dem->spin || !dem->position0 || !dem->velocity0 || !dem->id || !dem->mass ||
+        !dem->walls)
+        return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for %zu grains (%.3g MB)", n, dem_bytes((double)n, 0) / 1e6);
+    size_t moving = 0, fixed = dem->moving;
+    for (size_t k = 0; k < n; k++)
+        fill_row(dem, setup->grains[k].fixed ? fixed++ : moving++, (uint32_t)k, &setup->grains[k]);
+    memcpy(dem->walls, setup->walls, setup->wall_count * sizeof *dem->walls);
+    dem->wall_count = setup->wall_count;
+    return SCREE_OK;
+}
+
+static enum scree_status make_parts(struct dem *dem, int threads, struct scree_error *err)
+{
+    enum scree_status status = team_create(threads, &dem->team, err);
+    if (status)
+        return status;
+    dem->parts = memory_rows((size_t)threads, sizeof *dem->parts);
+    if (!dem->parts)
+        return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for %d parts", threads);
+    dem->part_count = threads;
+    for (int k = 0; k < threads; k++) {
+        dem->parts[k].from = dem->moving * (size_t)k / (size_t)threads;
+        dem->parts[k].to = dem->moving * (size_t)(k + 1) / (size_t)threads;
+    }
+    return cells_create(&dem->cells, err);
+}
+
+/* Refuses grains that overlap by more than rounding. */
+static enum scree_status check_overlaps(const struct dem *dem, struct scree_error *err)
+{
+    for (int k = 0; k < dem->part_count; k++) {
+        const struct near_list *near = &dem->parts[k].near;
+        for (size_t p = 0; p < near->count; p++) {
+            uint32_t i = near->first[p], j = near->second[p] & IMAGE_ROW;
+            struct vec3 x = vec3_sub(vec3_load(dem->position[j]), vec3_load(dem->position[i]));
+            x = vec3_add(x, vec3_load(dem->shift[near->second[p] >> IMAGE_SHIFT]));
+            double reach = dem->position[i][3] + dem->position[j][3], overlap = reach - sqrt(vec3_dot(x, x));
+            if (overlap > 1e-9 * reach)
+                return scree_fail(err, SCREE_INVALID, "params", "grains %u and %u overlap by %.3g m at the start", dem->id[i],
+                                  dem->id[j], overlap);
+        }
+    }
+    return SCREE_OK;
+}
+
+static void first_lists(void *context, int member)
+{
+    near_refresh(context, member);
+}
+
+enum scree_status dem_create(const struct dem_setup *setup, struct dem **out, struct scree_error *err)
+{
+    enum scree_status status;
+    if (setup->grain_count >= IMAGE_ROW)
+        return scree_fail(err, SCREE_INVALID, "params", "%zu grains are more than the %d that a world holds", setup->grain_count,
+                          IMAGE_ROW - 1);
+    struct dem *dem = memory_rows(1, sizeof *dem);
+    if (!dem)
+        return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for a world");
+    dem->law = &law_hertz_rolling;
+    dem->step_s = setup->step_s;
+    dem->floor_z = setup->floor_z;
+    dem->ledger = setup->ledger;
+    memcpy(dem->gravity, setup->gravity, sizeof dem->gravity);
+    memcpy(dem->length, setup->length, sizeof dem->length);
+    fill_shifts(dem);
+    dem->law->coefs(&setup->material, setup->step_s, &dem->coefs);
+    if ((status = cpu_choose(setup->isa, &dem->isa, err)) || (status = fill_rows(dem, setup, err)) ||
+        (status = make_parts(dem, setup->threads, err)))
+        goto out;
+    dem->kernels = kernels_for(dem->isa);
+    double diameter = 2 * dem->largest_radius;
+    dem->plan = (struct near_plan){.skin = SKIN_SHARE * diameter, .stray = STRAY_SHARE * diameter, .target = HORIZON_STEPS};
+    if ((status = order_rows(dem, err)))
+        goto out;
+    dem->start_potential = order_potential(dem);
+    team_run(dem->team, first_lists, dem);
+    for (int k = 0; k < dem->part_count && !status; k++)
+        if ((status = dem->parts[k].status) && err)
+            *err = dem->parts[k].error;
+    if (!status && !setup->overlaps)
+        status = check_overlaps(dem, err);
+out:
+    if (status)
+        dem_free(dem);
+    else
+        *out = dem;
+    return status;
+}
+
+static void free_part(struct part *part)
+{
+    free(part->outer_first);
+    free(part->outer_second);
+    free(part->kept);
+    free(part->near.first);
+    free(part->near.second);
+    free(part->near.reach2);
+    free(part->near.contact);
+    free(part->near.touching);
+    free(part->walls);
+    free(part->held.items);
+    free(part->held_walls.items);
+    free(part->active);
+    free(part->out);
+    free(part->loss);
+    free(part->exports);
+    free(part->ended);
+}
+
+void dem_free(struct dem *dem)
+{
+    if (!dem)
+        return;
+    team_free(dem->team);
+    for (int k = 0; k < dem->part_count; k++)
+        free_part(&dem->parts[k]);
+    free(dem->parts);
+    cells_free(dem->cells);
+    free(dem->position);
+    free(dem->velocity);
+    free(dem->spin);
+    free(dem->position0);
+    free(dem->velocity0);
+    free(dem->id);
+    free(dem->mass);
+    free(dem->walls);
+    free(dem->view_position);
+    free(dem->view_velocity);
+    free(dem->view_spin);
+    free(dem->view_contacts);
+    free(dem);
+}
+
+uint64_t dem_step(const struct dem *dem)
+{
+    return dem->step;
+}
+
+double dem_time(const struct dem *dem)
+{
+    return (double)dem->step * dem->step_s;
+}
+
+size_t dem_moving(const struct dem *dem)
+{
+    return dem->moving;
+}
+
+size_t dem_fixed(const struct dem *dem)
+{
+    return dem->grains - dem->moving;
+}
+
+const char *dem_isa(const struct dem *dem)
+{
+    return cpu_isa_name(dem->isa);
+}
+
+void dem_take_base_force(struct dem *dem, double mean[3])
+{
+    for (int a = 0; a < 3; a++) {
+        mean[a] = dem->base_steps ? dem->base_sum[a] / (double)dem->base_steps : 0;
+        dem->base_sum[a] = 0;
+    }
+    dem->base_steps = 0;
+}
+
+void dem_set_gravity(struct dem *dem, const double gravity[3])
+{
+    /* The work of the old field so far is kept; the potential restarts with the new one. */
+    double before = order_potential(dem) - dem->start_potential + dem->wrapped_work;
+    memcpy(dem->gravity, gravity, sizeof dem->gravity);
+    dem->start_potential = order_potential(dem) + dem->wrapped_work - before;
+}
+
+double dem_bytes(double moving, double fixed)
+{
+    return (moving + fixed) * SPEC_BYTES_PER_GRAIN;
+}

@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A world of discrete grains.
+ *
+ * Rows of four doubles, moving grains first. Two-level pair lists find the
+ * contacts, the law turns them into forces in blocks, each grain adds up its own
+ * contacts in a fixed order. Lists, slices, threads and instruction set never
+ * change a bit of the result: see README.md in this folder for why. */
+#ifndef SCREE_DEM_DEM_H
+#define SCREE_DEM_DEM_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/status.h"
+#include "spec/spec.h"
+#include "view.h"
+
+struct dem;
+
+struct dem_grain {
+    double position[3], velocity[3], spin[3]; // m, m/s, rad/s, at t = 0
+    double radius, density;                   // m, kg/m3
+    bool fixed;
+};
+
+/* A plane that grains touch from the side its normal points to. */
+struct dem_wall {
+    double point[3], normal[3]; // normal of unit length
+    bool base;                  // its force counts as force on the base
+};
+
+struct dem_setup {
+    double step_s;
+    double gravity[3];
+    double length[3]; // periodic lengths from 0; 0: unbounded along that axis
+    const struct dem_grain *grains;
+    size_t grain_count;
+    const struct dem_wall *walls;
+    size_t wall_count;
+    struct material_spec material; // of grains and walls
+    double floor_z;                // a moving grain whose centre is below is through the base: blow-up; -INFINITY: no such limit
+    int threads;                   // at least 1
+    const char *isa;               // NULL: the best there is
+    bool overlaps;                 // grains may overlap at the start (a state read from a file)
+    bool ledger;                   // keep the dissipated energies (contacts cost a third more)
+};
+
+/* Builds the world and evaluates the forces at t = 0. Copies what it needs.
+ * SCREE_INVALID when two grains overlap at the start. */
+enum scree_status dem_create(const struct dem_setup *setup, struct dem **out, struct scree_error *err);
+void dem_free(struct dem *dem);
+
+/* Does exactly `steps` time steps, or fails with SCREE_BLOWUP (step, grain, last
+ * good time) at the step examined; blow-up is looked for every 64 steps. */
+enum scree_status dem_advance(struct dem *dem, uint64_t steps, struct scree_error *err);
+
+uint64_t dem_step(const struct dem *dem);
+double dem_time(const struct dem *dem);
+size_t dem_moving(const struct dem *dem);
+size_t dem_fixed(const struct dem *dem);
+const char *dem_isa(const struct dem *dem);
+
+/* Mean force of the flow on the base over the steps since the last call (or
+ * since t = 0, the force at t = 0 excluded), N; each step counts once. */
+void dem_take_base_force(struct dem *dem, double mean[3]);
+
+/* Fills *view. Costs a pass over grains and contacts; the view's arrays belong to the world. */
+enum scree_status dem_view(struct dem *dem, struct view *view, struct scree_error *err);
+
+/* Steering: takes effect with the next step. */
+void dem_set_gravity(struct dem *dem, const double gravity[3]);
+
+/* Over positions, velocities, spins (at their half steps) and contact histories, by grain id. */
+uint64_t dem_hash(const struct dem *dem);
+
+/* Bytes a world of that size takes, for refusals before building it. */
+double dem_bytes(double moving, double fixed);
+
+#endif

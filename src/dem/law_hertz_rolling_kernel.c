@@ -1,0 +1,200 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The law of law_hertz_rolling.c on four contacts at once.
+ *
+ * This one source is compiled per instruction set (KERNEL names the function).
+ * Rows of four doubles are loaded whole and transposed: gathers are slower on
+ * most processors. Branches become selects; every operation and its order are
+ * those of hertz_rolling_contact, to which a test holds it bit by bit. Equation
+ * numbers stand there. */
+#include "base/simd.h"
+#include "dem/law_hertz_rolling.h"
+
+struct x3 { // a vector a lane
+    v4 x, y, z;
+};
+
+SIMD_INLINE struct x3 x3_add(struct x3 a, struct x3 b)
+{
+    return (struct x3){a.x + b.x, a.y + b.y, a.z + b.z};
+}
+SIMD_INLINE struct x3 x3_sub(struct x3 a, struct x3 b)
+{
+    return (struct x3){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+SIMD_INLINE struct x3 x3_scale(struct x3 a, v4 s)
+{
+    return (struct x3){a.x * s, a.y * s, a.z * s};
+}
+SIMD_INLINE v4 x3_dot(struct x3 a, struct x3 b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+SIMD_INLINE struct x3 x3_cross(struct x3 a, struct x3 b)
+{
+    return (struct x3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+SIMD_INLINE struct x3 x3_select(m4 mask, struct x3 yes, struct x3 no)
+{
+    return (struct x3){v4_select(mask, yes.x, no.x), v4_select(mask, yes.y, no.y), v4_select(mask, yes.z, no.z)};
+}
+
+/* Elements 0..2 of four rows as a vector a lane, element 3 apart. */
+SIMD_INLINE struct x3 rows_load(const double *r0, const double *r1, const double *r2, const double *r3, v4 *fourth)
+{
+    struct x3 v;
+    v4_transpose(v4_load(r0), v4_load(r1), v4_load(r2), v4_load(r3), &v.x, &v.y, &v.z, fourth);
+    return v;
+}
+SIMD_INLINE void rows_store(double *r0, double *r1, double *r2, double *r3, struct x3 v, v4 fourth)
+{
+    v4 a, b, c, d;
+    v4_transpose(v.x, v.y, v.z, fourth, &a, &b, &c, &d);
+    v4_store(r0, a);
+    v4_store(r1, b);
+    v4_store(r2, c);
+    v4_store(r3, d);
+}
+
+/* Energy of a spring; an unloaded contact stores nothing. */
+SIMD_INLINE v4 lanes_spring(v4 force_squared, v4 stiffness)
+{
+    v4 zero = {0};
+    return v4_select((m4)(stiffness > zero), force_squared / (v4_all(2.0) * stiffness), zero);
+}
+
+/* One group: contacts p[0..3], results to out[0..3], losses to loss[0..3] when
+ * `ledger`. Lanes may repeat a contact: they then write the same values. */
+SIMD_INLINE void group(const struct law_coefs *c, const struct pair_batch *b, const uint32_t p[4], struct contact_out *const out[4],
+                       struct contact_loss *const loss[4], int ledger)
+{
+    const double *x1[4], *x2[4], *u1[4], *u2[4], *s1[4], *s2[4];
+    const double *shift[4];
+    double *row[4];
+    for (int l = 0; l < 4; l++) {
+        uint32_t i = b->first[p[l]], second = b->second[p[l]], j = second & IMAGE_ROW;
+        x1[l] = b->position[i], x2[l] = b->position[j];
+        u1[l] = b->velocity[i], u2[l] = b->velocity[j];
+        s1[l] = b->spin[i], s2[l] = b->spin[j];
+        shift[l] = b->shift[second >> IMAGE_SHIFT];
+        row[l] = b->contact[p[l]];
+    }
+    const v4 zero = {0}, one = v4_all(1.0), dt = v4_all(c->step);
+    struct x3 x, velocity;
+    v4 unused;
+    v4_transpose((v4_load(x2[0]) - v4_load(x1[0])) + v4_load(shift[0]), (v4_load(x2[1]) - v4_load(x1[1])) + v4_load(shift[1]),
+                 (v4_load(x2[2]) - v4_load(x1[2])) + v4_load(shift[2]), (v4_load(x2[3]) - v4_load(x1[3])) + v4_load(shift[3]), &x.x,
+                 &x.y, &x.z, &unused);
+    v4_transpose(v4_load(u1[0]) - v4_load(u2[0]), v4_load(u1[1]) - v4_load(u2[1]), v4_load(u1[2]) - v4_load(u2[2]),
+                 v4_load(u1[3]) - v4_load(u2[3]), &velocity.x, &velocity.y, &velocity.z, &unused);
+    struct x3 spin1 = rows_load(s1[0], s1[1], s1[2], s1[3], &unused);
+    struct x3 spin2 = rows_load(s2[0], s2[1], s2[2], s2[3], &unused);
+    v4 mn_was, fn_old, a_old, r, r1, r2;
+    struct x3 ft_was = rows_load(row[0], row[1], row[2], row[3], &mn_was);
+    struct x3 mr_was = rows_load(row[0] + 4, row[1] + 4, row[2] + 4, row[3] + 4, &fn_old);
+    v4_transpose(v4_load(row[0] + 8), v4_load(row[1] + 8), v4_load(row[2] + 8), v4_load(row[3] + 8), &a_old, &r, &r1, &r2);
+
+    v4 distance = v4_sqrt(x3_dot(x, x)), inverse = one / distance;
+    v4 overlap = (r1 + r2) - distance;
+    overlap = v4_select((m4)(overlap > zero), overlap, zero);
+    struct x3 n = x3_scale(x, inverse);
+
+    v4 approach = x3_dot(velocity, n);
+    v4 a = v4_sqrt(r * overlap);
+    v4 fn = v4_all(c->normal) * a * (overlap + v4_all(c->beta) * approach);
+    v4 fn_size = v4_abs(fn);
+    m4 loading = (m4)(fn_size >= fn_old);
+    v4 ratio = v4_select(loading, one, a / a_old);
+
+    v4 kt = v4_all(c->tangential) * a;
+    struct x3 lever = x3_add(x3_scale(spin1, r1), x3_scale(spin2, r2));
+    struct x3 slide = x3_add(x3_sub(velocity, x3_scale(n, approach)), x3_cross(lever, n));
+    struct x3 ft_e = x3_sub(ft_was, x3_scale(n, x3_dot(ft_was, n)));
+    ft_e = x3_add(x3_scale(ft_e, ratio), x3_scale(slide, kt * dt));
+    struct x3 viscous = x3_scale(slide, v4_all(c->beta) * kt);
+    struct x3 ft = x3_add(ft_e, viscous);
+    v4 ft_size = v4_sqrt(x3_dot(ft, ft)), ft_cap = v4_all(c->mu_t) * fn_size;
+    m4 slip = (m4)(ft_size > ft_cap);
+    ft = x3_select(slip, x3_scale(ft, ft_cap / ft_size), ft);
+    ft_e = x3_select(slip, x3_sub(ft, viscous), ft_e);
+
+    struct x3 spin = x3_sub(spin1, spin2);
+    v4 twist = x3_dot(spin, n);
+    v4 kn = v4_all(c->torsion) * (a * a * a);
+    v4 mn_e = mn_was * v4_select(loading, one, ratio * ratio * ratio) + twist * (kn * dt);
+    v4 resist = twist * (v4_all(c->beta) * kn);
+    v4 mn = mn_e + resist, mn_cap = v4_all(c->mu_n) * fn_size * a;
+    m4 turn = (m4)(v4_abs(mn) > mn_cap);
+    mn = v4_select(turn, v4_select((m4)(mn < zero), -mn_cap, mn_cap), mn);
+    mn_e = v4_select(turn, mn - resist, mn_e);
+
+    v4 kr = v4_all(c->rolling) * fn_size * r;
+    struct x3 roll = x3_sub(spin, x3_scale(n, twist));
+    struct x3 mr_e = x3_sub(mr_was, x3_scale(n, x3_dot(mr_was, n)));
+    mr_e = x3_add(x3_scale(mr_e, v4_select(loading, one, fn_size / fn_old)), x3_scale(roll, kr * dt));
+    struct x3 drag = x3_scale(roll, v4_all(c->beta_r) * kr);
+    struct x3 mr = x3_add(mr_e, drag);
+    v4 mr_size = v4_sqrt(x3_dot(mr, mr)), mr_cap = v4_all(c->mu_r) * fn_size * r;
+    m4 rolls = (m4)(mr_size > mr_cap);
+    mr = x3_select(rolls, x3_scale(mr, mr_cap / mr_size), mr);
+    mr_e = x3_select(rolls, x3_sub(mr, drag), mr_e);
+
+    struct x3 arm = x3_cross(ft, n);
+    struct x3 couple = x3_add(x3_scale(n, mn), mr);
+    v4 half = v4_all(0.5) * overlap;
+    rows_store(out[0]->force, out[1]->force, out[2]->force, out[3]->force, x3_add(x3_scale(n, fn), ft), zero);
+    rows_store(out[0]->torque1, out[1]->torque1, out[2]->torque1, out[3]->torque1, x3_sub(x3_scale(arm, r1 - half), couple), zero);
+    rows_store(out[0]->torque2, out[1]->torque2, out[2]->torque2, out[3]->torque2, x3_add(x3_scale(arm, r2 - half), couple), zero);
+
+    if (ledger) {
+        v4 at = v4_all(c->tangential), an = v4_all(c->torsion), ar = v4_all(c->rolling), h = v4_all(0.5);
+        v4 lost_n = v4_all(c->normal) * a * v4_all(c->beta) * (approach * approach) * dt;
+        v4 lost_t = (h * x3_dot(x3_add(ft_was, ft_e), slide) + x3_dot(x3_sub(ft, ft_e), slide)) * dt -
+                    (lanes_spring(x3_dot(ft_e, ft_e), at * a) - lanes_spring(x3_dot(ft_was, ft_was), at * a_old));
+        v4 lost_m = (h * (mn_was + mn_e) * twist + (mn - mn_e) * twist) * dt -
+                    (lanes_spring(mn_e * mn_e, an * (a * a * a)) - lanes_spring(mn_was * mn_was, an * (a_old * a_old * a_old)));
+        v4 lost_r = (h * x3_dot(x3_add(mr_was, mr_e), roll) + x3_dot(x3_sub(mr, mr_e), roll)) * dt -
+                    (lanes_spring(x3_dot(mr_e, mr_e), ar * fn_size * r) - lanes_spring(x3_dot(mr_was, mr_was), ar * fn_old * r));
+        rows_store(&loss[0]->normal, &loss[1]->normal, &loss[2]->normal, &loss[3]->normal, (struct x3){lost_n, lost_t, lost_m},
+                   lost_r);
+    }
+    rows_store(row[0], row[1], row[2], row[3], ft_e, mn_e);
+    rows_store(row[0] + 4, row[1] + 4, row[2] + 4, row[3] + 4, mr_e, fn_size);
+    for (int l = 0; l < 4; l++)
+        row[l][CONTACT_A] = a[l];
+}
+
+/* All whole groups in place, the rest padded with its last contact into spare rows. */
+SIMD_INLINE void all_groups(const struct law_coefs *c, const struct pair_batch *b, int ledger)
+{
+    size_t k = 0;
+    for (; k + 4 <= b->active_count; k += 4) {
+        struct contact_out *out[4] = {&b->out[k], &b->out[k + 1], &b->out[k + 2], &b->out[k + 3]};
+        struct contact_loss *loss[4] = {0};
+        if (ledger)
+            for (int l = 0; l < 4; l++)
+                loss[l] = &b->loss[k + (size_t)l];
+        group(c, b, &b->active[k], out, loss, ledger);
+    }
+    if (k < b->active_count) {
+        uint32_t p[4];
+        _Alignas(32) struct contact_out spare_out;
+        _Alignas(32) struct contact_loss spare_loss;
+        struct contact_out *out[4];
+        struct contact_loss *loss[4];
+        for (size_t l = 0; l < 4; l++) {
+            size_t at = k + l < b->active_count ? k + l : b->active_count - 1;
+            p[l] = b->active[at];
+            out[l] = k + l < b->active_count ? &b->out[at] : &spare_out;
+            loss[l] = !ledger || k + l >= b->active_count ? &spare_loss : &b->loss[at];
+        }
+        group(c, b, p, out, loss, ledger);
+    }
+}
+
+void KERNEL(const struct law_coefs *coefs, const struct pair_batch *batch)
+{
+    if (batch->loss)
+        all_groups(coefs, batch, 1);
+    else
+        all_groups(coefs, batch, 0);
+}

@@ -1,0 +1,162 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a world of grains keeps in memory. Private to this folder.
+ *
+ * Velocities are those of leapfrog: between steps n and n+1 a row holds
+ * v(n-1/2) plus the kicks of the contacts at x(n), but not yet gravity's; the
+ * next step begins with gravity's kick and the drift. That is velocity Verlet,
+ * written so that the step passes over the grains once. */
+#ifndef SCREE_DEM_STATE_H
+#define SCREE_DEM_STATE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/parallel.h"
+#include "dem/dem.h"
+#include "dem/kernels.h"
+#include "dem/law.h"
+
+/* A touching pair, taken out of the lists so that it survives their rebuilding.
+ * `key` orders contacts: first grain, then image and second grain. */
+struct held_contact {
+    uint64_t key; // first << 32 | second with its image code; or grain << 32 | wall
+    double contact[CONTACT_SLOTS];
+};
+struct held_list {
+    struct held_contact *items;
+    size_t count, room;
+};
+
+/* Pairs that could touch before the next refresh. Capacity `room` in every array. */
+struct near_list {
+    uint32_t *first, *second; // row; row | image code << IMAGE_SHIFT
+    double *reach2;           // (r1 + r2)^2, m2; -1 in the padding
+    double (*contact)[CONTACT_SLOTS];
+    uint64_t *touching; // a bit a pair
+    size_t count, room;
+};
+
+/* Grains [from, to) and every pair whose first grain is among them: one member
+ * of the team owns each part. Parts are contiguous in memory, and memory follows
+ * space, so few pairs have their second grain in another part. */
+struct part {
+    size_t from, to;
+    uint32_t *outer_first, *outer_second; // pairs within reach + skin
+    size_t outer_count, outer_room, outer_second_room;
+    uint32_t *kept; // scratch of the refresh: which outer pairs are near
+    size_t kept_room;
+    struct near_list near;
+    struct wall_pair *walls;
+    size_t wall_count, wall_room;
+    struct held_list held, held_walls;
+    uint32_t *active; // touching near pairs, ascending
+    struct contact_out *out;
+    struct contact_loss *loss; // NULL without a ledger
+    size_t active_count, active_room, out_room, loss_room;
+    uint32_t *exports; // touching pairs (index into out) whose second grain lies in a later part
+    size_t export_count, export_room;
+    uint32_t *ended; // near pairs that stopped touching at this step; with a ledger only
+    size_t ended_count, ended_room;
+    _Alignas(32) double strayed2[4]; // largest squared change of velocity since the refresh, by component, m2/s2
+    double stray;                    // how far grains may leave their straight paths until the refresh, m; the same in every part
+    double strayed;            // bound on how far any grain of the world has left its straight path, m; the same in every part
+    uint64_t age;              // steps since the refresh; the same in every part
+    uint64_t horizon;          // steps that straight paths are followed for; the same in every part
+    double fastest, displaced; // largest speed and largest way since the outer rebuild of own grains, m/s, m
+    enum scree_status status;
+    struct scree_error error;
+};
+
+/* How the pair lists are kept; none of it can change a result. */
+struct near_plan {
+    double skin;     // outer lists hold pairs with a gap below this, m
+    double stray;    // a grain may leave its straight path by this until the refresh, m
+    uint64_t target; // steps between refreshes to aim at
+    bool stale;      // outer lists are to be rebuilt: positions were wrapped or rows reordered
+    uint64_t refreshes, rebuilds;
+    uint64_t near_pairs, outer_pairs; // summed over refreshes and rebuilds, for reports
+};
+
+struct cells;
+
+struct dem {
+    const struct law *law;
+    const struct kernels *kernels;
+    enum cpu_isa isa;
+    struct law_coefs coefs;
+    double step_s;
+    uint64_t step;
+    double gravity[3], length[3], floor_z;
+    double largest_radius;
+
+    size_t moving, grains;  // rows 0 .. moving-1 move, the rest is the base
+    double (*position)[4];  // x, y, z, radius
+    double (*velocity)[4];  // and dt / mass, 0 for the base
+    double (*spin)[4];      // and dt / moment of inertia
+    double (*velocity0)[4]; // of moving grains at the last refresh
+    double (*position0)[4]; // of moving grains at the last rebuild of the outer lists
+    uint32_t *id;
+    double *mass; // by row
+    double shift[IMAGE_CODES][4];
+
+    struct dem_wall *walls;
+    size_t wall_count;
+
+    struct team *team;
+    struct part *parts;
+    int part_count;
+    struct near_plan plan;
+    struct cells *cells;
+
+    double base_sum[4]; // force on the base, summed over steps since it was taken, N
+    uint64_t base_steps;
+    double lost[4];         // dissipated since the start: normal, tangential, torsion, rolling, J
+    double wrapped_work;    // m g.L of wraps, J: keeps the potential continuous
+    double start_potential; // J
+    bool ledger;
+
+    /* The view's arrays. */
+    double (*view_velocity)[4], (*view_spin)[4], (*view_position)[4];
+    struct view_contact *view_contacts;
+    size_t view_contact_room;
+};
+
+/* Steps between two looks at what needs no step-by-step care: blow-up, wrapping, order in memory. */
+enum { DEM_HOUSEKEEPING = 64, DEM_REORDER = 1 << 14 };
+
+/* near.c. Called by every member after the drift of a step, behind a barrier:
+ * whether the lists still hold every pair that touches. */
+bool near_complete(struct dem *dem, struct part *part);
+/* Makes them so; every member calls it, with barriers inside. */
+void near_refresh(struct dem *dem, int member);
+/* Member 0 alone, before rows or images change: takes every touching contact out
+ * of the lists into *pairs and *walls (owned by the caller) and marks the lists stale. */
+enum scree_status near_take(struct dem *dem, struct held_list *pairs, struct held_list *walls, struct scree_error *err);
+/* And gives them back, keys already those of the new rows. Sorts them. */
+enum scree_status near_give(struct dem *dem, struct held_list *pairs, struct held_list *walls, struct scree_error *err);
+
+/* order.c, member 0 alone: blow-up, wrapping, order in memory; at multiples of DEM_HOUSEKEEPING. */
+enum scree_status order_housekeeping(struct dem *dem, struct scree_error *err);
+/* Sorts the rows along a space-filling curve. */
+enum scree_status order_rows(struct dem *dem, struct scree_error *err);
+/* m g.x summed over moving grains, J. */
+double order_potential(const struct dem *dem);
+
+/* cells.c: the grid that outer lists are built from. */
+enum scree_status cells_create(struct cells **out, struct scree_error *err);
+void cells_free(struct cells *cells);
+/* Sorts all grains into cells at least `width` wide (member 0 alone). */
+enum scree_status cells_fill(struct cells *cells, const struct dem *dem, double width, struct scree_error *err);
+/* Fills the part's outer lists with pairs whose gap is below `skin`. */
+enum scree_status cells_pairs(const struct cells *cells, const struct dem *dem, struct part *part, double skin,
+                              struct scree_error *err);
+
+/* walls.c */
+/* Grains of the part that could touch a wall within `horizon` seconds; carries the part's held walls over. */
+enum scree_status walls_near(struct dem *dem, struct part *part, double horizon, double stray, struct scree_error *err);
+/* Which of them touch now and with what force; kicks wait for walls_kick. */
+void walls_contacts(struct dem *dem, struct part *part);
+void walls_kick(struct dem *dem, struct part *part);
+
+#endif

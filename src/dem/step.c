@@ -1,0 +1,190 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The time step: velocity Verlet with the half-step velocity in the damping.
+ *
+ *     drift      v(n+1/2) = v + g dt,  x(n+1) = x(n) + dt v(n+1/2)
+ *     lists      refreshed if they may have become incomplete
+ *     contacts   which pairs touch, and the law on each, at x(n+1), v(n+1/2)
+ *     kick       each grain takes its own contacts in fixed order
+ *     account    force on the base, dissipated energy
+ *
+ * Members of the team own contiguous grains (struct part) and meet twice a step.
+ * A grain's contacts with lower rows come first: those of earlier parts are
+ * taken from their exports, part by part, then its own part's, which is the
+ * order of rows, so the sum does not depend on how many parts there are. */
+#include <string.h>
+
+#include "dem/state.h"
+
+static struct pair_batch batch_of(const struct dem *dem, const struct part *part)
+{
+    return (struct pair_batch){.position = (const double(*)[4])dem->position,
+                               .velocity = (const double(*)[4])dem->velocity,
+                               .spin = (const double(*)[4])dem->spin,
+                               .shift = (const double(*)[4])dem->shift,
+                               .first = part->near.first,
+                               .second = part->near.second,
+                               .contact = part->near.contact,
+                               .active = part->active,
+                               .active_count = part->active_count,
+                               .out = part->out,
+                               .loss = dem->ledger ? part->loss : NULL};
+}
+
+static void drift(struct dem *dem, struct part *part)
+{
+    double dt = dem->step_s, kick[3] = {dem->gravity[0] * dt, dem->gravity[1] * dt, dem->gravity[2] * dt};
+    dem->kernels->drift(dem->position, dem->velocity, part->from, part->to, kick, dt);
+}
+
+/* Touching pairs whose second grain another part must kick. */
+static void list_exports(const struct dem *dem, struct part *part)
+{
+    part->export_count = 0;
+    if (dem->part_count == 1)
+        return;
+    for (size_t k = 0; k < part->active_count; k++) {
+        size_t j = part->near.second[part->active[k]] & IMAGE_ROW;
+        if (j >= part->to && j < dem->moving)
+            part->exports[part->export_count++] = (uint32_t)k;
+    }
+}
+
+static void contacts(struct dem *dem, struct part *part)
+{
+    struct pair_batch batch = batch_of(dem, part);
+    part->active_count = dem->kernels->touch(&batch, part->near.reach2, part->near.count, part->near.touching, part->active,
+                                             dem->ledger ? part->ended : NULL, &part->ended_count);
+    batch.active_count = part->active_count;
+    dem->law->pairs[dem->isa](&dem->coefs, &batch);
+    list_exports(dem, part);
+    walls_contacts(dem, part);
+}
+
+/* Second grains of earlier parts' contacts that this part owns. */
+static void kick_imports(struct dem *dem, struct part *part)
+{
+    for (const struct part *other = dem->parts; other < part; other++)
+        for (size_t e = 0; e < other->export_count; e++) {
+            uint32_t k = other->exports[e];
+            size_t j = other->near.second[other->active[k]] & IMAGE_ROW;
+            if (j < part->from || j >= part->to)
+                continue;
+            double *v = dem->velocity[j], *w = dem->spin[j];
+            for (int a = 0; a < 3; a++) {
+                v[a] += other->out[k].force[a] * v[3];
+                w[a] += other->out[k].torque2[a] * w[3];
+                double change = (v[a] - dem->velocity0[j][a]) * (v[a] - dem->velocity0[j][a]);
+                part->strayed2[a] = change > part->strayed2[a] ? change : part->strayed2[a];
+            }
+        }
+}
+
+static void kick(struct dem *dem, struct part *part)
+{
+    struct pair_batch batch = batch_of(dem, part);
+    kick_imports(dem, part);
+    dem->kernels->kick(&batch, dem->velocity, dem->spin, dem->velocity0, part->from, part->to, part->strayed2);
+    walls_kick(dem, part);
+}
+
+static void add_loss(double lost[4], const struct contact_loss *loss)
+{
+    lost[0] += loss->normal;
+    lost[1] += loss->tangential;
+    lost[2] += loss->torsion;
+    lost[3] += loss->rolling;
+}
+
+static void account_losses(struct dem *dem, const struct part *part)
+{
+    for (size_t k = 0; k < part->active_count; k++)
+        add_loss(dem->lost, &part->loss[k]);
+    for (size_t k = 0; k < part->ended_count; k++) { // what the springs of an ended contact held is lost
+        struct contact_loss left = dem->law->elastic(&dem->coefs, part->near.contact[part->ended[k]], 0);
+        left.normal = 0; // Hertz's spring gives all back
+        add_loss(dem->lost, &left);
+    }
+}
+
+/* Member 0, over all parts in order, so that sums have one order too. */
+static void account(struct dem *dem)
+{
+    for (int p = 0; p < dem->part_count; p++) {
+        const struct part *part = &dem->parts[p];
+        for (size_t k = 0; k < part->active_count; k++)
+            if ((part->near.second[part->active[k]] & IMAGE_ROW) >= dem->moving)
+                for (int a = 0; a < 3; a++)
+                    dem->base_sum[a] += part->out[k].force[a];
+        if (dem->ledger)
+            account_losses(dem, part);
+    }
+    for (int p = 0; p < dem->part_count; p++)
+        for (size_t k = 0; k < dem->parts[p].wall_count; k++) {
+            const struct wall_pair *pair = &dem->parts[p].walls[k];
+            if (pair->touching && dem->walls[pair->wall].base)
+                for (int a = 0; a < 3; a++)
+                    dem->base_sum[a] += pair->out.force[a];
+            if (dem->ledger)
+                add_loss(dem->lost, &pair->loss);
+        }
+    dem->base_steps++;
+    dem->step++;
+}
+
+/* What a slice hands to the team. */
+struct slice {
+    struct dem *dem;
+    uint64_t first, steps;
+    enum scree_status status; // written by member 0, read behind a barrier
+    struct scree_error *err;
+};
+
+static enum scree_status first_failure(const struct dem *dem, struct scree_error *err)
+{
+    for (int k = 0; k < dem->part_count; k++)
+        if (dem->parts[k].status) {
+            if (err)
+                *err = dem->parts[k].error;
+            return dem->parts[k].status;
+        }
+    return SCREE_OK;
+}
+
+static void slice_member(void *context, int member)
+{
+    struct slice *slice = context;
+    struct dem *dem = slice->dem;
+    struct part *part = &dem->parts[member];
+    for (uint64_t k = 0; k < slice->steps; k++) {
+        uint64_t step = slice->first + k;
+        if (step > 0 && step % DEM_HOUSEKEEPING == 0) {
+            /* Before the step, so that between slices rows and lists belong together. */
+            if (member == 0)
+                slice->status = order_housekeeping(dem, slice->err);
+            team_barrier(dem->team);
+            if (slice->status)
+                return;
+        }
+        drift(dem, part);
+        team_barrier(dem->team);
+        if (!near_complete(dem, part)) {
+            near_refresh(dem, member);
+            team_barrier(dem->team);
+            if (first_failure(dem, NULL))
+                return;
+        }
+        contacts(dem, part);
+        team_barrier(dem->team);
+        kick(dem, part);
+        if (member == 0)
+            account(dem);
+    }
+}
+
+enum scree_status dem_advance(struct dem *dem, uint64_t steps, struct scree_error *err)
+{
+    struct slice slice = {.dem = dem, .first = dem->step, .steps = steps, .err = err};
+    team_run(dem->team, slice_member, &slice);
+    enum scree_status status = first_failure(dem, err);
+    return status ? status : slice.status;
+}

@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Set-ups: how a job's params become a world. The user's side of a scenario
+ * (name, fields, checks) is in spec/; one file here builds each. */
+#ifndef SCREE_SCENARIO_SCENARIO_H
+#define SCREE_SCENARIO_SCENARIO_H
+
+#include "dem/dem.h"
+#include "spec/spec.h"
+
+struct scenario {
+    const char *name; // as in scenario_list
+    /* Builds the world of a checked job. *out is owned by the caller. */
+    enum scree_status (*build)(const struct job_spec *job, const char *isa, int threads, struct dem **out, struct scree_error *err);
+    /* Gravity of the job's params as they now stand, for steering. */
+    void (*gravity)(const struct job_spec *job, double gravity[3]);
+    /* Height of the nominal top of the base and basal area, for bulk measurements; area 0: none. */
+    void (*base)(const struct job_spec *job, double *z, double *area_m2);
+};
+const struct scenario *scenario_implementation(const char *name);
+
+#endif

@@ -1,0 +1,152 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a user can ask for, as plain structs: the job and its parts.
+ *
+ * A job names a scenario, the scenario names its params' table and its defaults;
+ * material, time, stop and record are the same for every scenario of a kind.
+ * Everything is SI; angles are in degrees here (`_deg`) and in radians only
+ * inside the physics. */
+#ifndef SCREE_SPEC_SPEC_H
+#define SCREE_SPEC_SPEC_H
+
+#include "spec/field.h"
+
+/* ---- material: glass-like spheres of seed 000 (law "hertz-mindlin-rolling") ---- */
+
+struct material_spec {
+    char preset[48];      // name of the published material that the other values start from
+    double radius_m;      // median radius
+    double radius_spread; // radii are uniform on radius * [1 - spread, 1 + spread]
+    double density_kg_m3;
+    double young_Pa;       // E
+    double poisson;        // nu
+    double beta_s;         // ratio of viscosity to stiffness: normal, tangential, torsion (eqs 5, 10, 17)
+    double mu_t;           // sliding friction (eq. 11); torsional friction is 3 pi mu_t / 16 (eq. 18)
+    double kappa;          // rolling stiffness modulus (eq. 22)
+    double beta_r_s;       // rolling damping (eq. 24)
+    double mu_r;           // rolling friction (eq. 25)
+    double torsion_factor; // k_n = factor * G * a^3 (eq. 14): 16/3 as printed, 8/3 for two like bodies in series
+};
+extern const struct field_table material_table;
+
+/* A published material: its values and what a reader must know about them. */
+struct material_preset {
+    const char *name, *doc, *source, *note; // note: errata worth a warning, "" if none
+    struct material_spec values;
+};
+extern const struct material_preset material_presets[];
+extern const size_t material_preset_count;
+const struct material_preset *material_preset_find(const char *name);
+
+double material_shear_modulus(const struct material_spec *m);    // G = E / 2(1 + nu), Pa
+double material_torsion_friction(const struct material_spec *m); // mu_n = 3 pi mu_t / 16
+double material_grain_mass(const struct material_spec *m);       // of the median grain, kg
+/* Duration of an elastic head-on impact of two free median grains at relative
+ * speed v: T0 tau (eq. 42 with both spheres free, targets S0-06), s. */
+double material_contact_time(const struct material_spec *m, double speed);
+/* The largest time step at which the stiffest motion of a contact is still
+ * integrated stably, s: see material.c for the bound and its derivation. */
+double material_stable_step(const struct material_spec *m, double speed);
+
+/* ---- time, stop, record ---- */
+
+struct time_spec {
+    double step_s, end_s;
+};
+enum stop_when { STOP_REST = 1 << 0, STOP_STEADY = 1 << 1, STOP_ACCELERATING = 1 << 2 };
+struct stop_spec {
+    unsigned when; // bits of enum stop_when; 0 runs to time.end_s
+};
+struct record_every { // a switch: one kind of record and how often it is taken
+    bool on;
+    double every_s;
+};
+struct record_series { // a switch: a dense series, cut into chunks of `chunk` samples
+    bool on;
+    double every_s;
+    int64_t chunk;
+};
+struct record_spec {
+    struct record_series basal_force; // three components, block-averaged over every_s
+    struct record_every bulk;         // kinetic and elastic energy, centre of mass, speeds: what verdicts rest on
+    struct record_every energy;       // ledger: gravity's work, kinetic, elastic, dissipated
+    struct record_every snapshots;    // every grain's state
+    struct record_every contact;      // scenario collision: overlap and forces of the one contact
+};
+
+/* ---- the job ---- */
+
+enum { SPEC_PARAMS_MAX = 512 };
+
+/* What a world takes in memory, bytes a grain, lists and histories at rest included (measured: src/dem/README.md). */
+#define SPEC_BYTES_PER_GRAIN 1000.0
+
+struct job_spec {
+    const struct scenario_fields *scenario; // never NULL once decoded
+    int64_t seed;
+    char title[128];
+    int64_t threads;
+    int64_t priority;
+    _Alignas(16) unsigned char params[SPEC_PARAMS_MAX]; // the scenario's own struct
+    struct material_spec material;
+    struct time_spec time;
+    struct stop_spec stop;
+    struct record_spec record;
+};
+
+/* Rows of the job but `scenario`, `params` and `material.preset`, which need
+ * more than a table: protocol/job_json.c takes them. */
+extern const struct field_table job_table;
+
+enum scenario_kind { SCENARIO_DEM, SCENARIO_MPM };
+
+/* A named set-up as the user sees it. What it does is in src/scenario/. */
+struct scenario_fields {
+    const char *name, *doc, *source;
+    enum scenario_kind kind;
+    const char *material;             // default preset
+    const struct field_table *params; // its struct fits SPEC_PARAMS_MAX
+    /* Overwrites those of the job's defaults that differ for this scenario. */
+    void (*defaults)(struct job_spec *job);
+    /* Checks what ranges cannot say (time step against stiffness, domain against
+     * grain size, memory against `memory_limit` bytes); the job has passed the range checks. */
+    enum scree_status (*check)(const struct job_spec *job, double memory_limit, struct scree_error *err);
+    /* Size of the job: grains (moving and fixed), steps to end_s, bytes in memory. */
+    struct job_cost (*cost)(const struct job_spec *job);
+};
+struct job_cost {
+    double moving, fixed; // grains
+    double steps;
+    double bytes;
+};
+extern const struct scenario_fields *const scenario_list[];
+extern const size_t scenario_count;
+const struct scenario_fields *scenario_find(const char *name);
+
+/* ---- params of each scenario ---- */
+
+struct incline_params { // seed 000: steady flow down a rough incline, periodic in x and y
+    double slope_deg;
+    double gravity_m_s2;
+    int64_t nx, ny, nz; // in grain diameters; nx * ny * nz grains flow
+    int64_t base_seed;  // of the fixed base's realisation
+};
+
+enum collision_partner { PARTNER_SPHERE, PARTNER_FIXED_SPHERE, PARTNER_PLANE };
+struct collision_params { // one contact: grain 1 meets a sphere or a plane along z
+    int partner;
+    double speed_m_s;            // closing speed along the normal
+    double gap_m;                // at the start; 0 touches without overlap
+    double radius1_m, radius2_m; // 0 takes the material's radius
+    double tangential_m_s[3];    // of grain 1, relative, in the plane of contact (its z must be 0)
+    double spin1_rad_s[3], spin2_rad_s[3];
+    double gravity_m_s2[3];
+};
+
+/* Fills a job with the defaults of a scenario and its preset material. */
+void job_defaults(struct job_spec *job, const struct scenario_fields *scenario);
+
+/* Every check that needs no simulation: ranges of all tables, then the
+ * scenario's own. `memory_limit` in bytes (0: none). */
+enum scree_status job_check(const struct job_spec *job, double memory_limit, struct scree_error *err);
+
+#endif

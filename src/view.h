@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a world shows once a sample, read-only. Measurements read views and nothing else.
+ *
+ * Arrays are in the world's memory order, which changes now and then; `id` names
+ * the grain for good. Everything is valid until the world is advanced. */
+#ifndef SCREE_VIEW_H
+#define SCREE_VIEW_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+struct view_contact {
+    uint32_t a, b;                   // rows of the grains; b is VIEW_WALL + wall for a wall
+    double overlap;                  // m
+    double normal[3];                // from a to b
+    double approach;                 // rate of overlap, m/s (positive while loading)
+    double force[3];                 // of a on b, N, normal and tangential together
+    double force_normal;             // component along the normal, N; slightly negative at the end of a damped contact
+    double torque_a[3], torque_b[3]; // on each grain, N m
+    double elastic;                  // energy stored in the normal, tangential, torsion and rolling springs, J
+};
+#define VIEW_WALL 0x80000000u
+
+struct view {
+    double time_s, step_s;
+    uint64_t step;
+    double length[3]; // of the domain, m; 0 where it is unbounded
+    int periodic[3];
+    double gravity[3];    // m/s2
+    size_t moving, fixed; // grains: rows 0 .. moving-1 move, moving .. moving+fixed-1 are the base
+    const uint32_t *id;
+    const double (*position)[4]; // x, y, z (inside the periodic box), radius, m
+    const double (*velocity)[4]; // at this step's time, m/s; [3] mass, kg
+    const double (*spin)[4];     // rad/s; [3] moment of inertia, kg m2
+    size_t contacts;
+    const struct view_contact *contact;
+    double base_force[3]; // of the flow on fixed grains and floor at this step, N
+    /* Ledger since the start, J; dissipated parts are zero unless the world keeps a ledger. */
+    double gravity_work;
+    double dissipated_normal, dissipated_tangential, dissipated_torsion, dissipated_rolling;
+};
+
+#endif
