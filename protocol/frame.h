@@ -32,6 +32,8 @@ enum scree_status error_read(const cJSON *error_object, struct scree_error *erro
 
 /* CRC-32C (Castagnoli), reflected, initial and final inversion: crc32c("123456789") is 0xe3069283. */
 uint32_t crc32c(uint32_t crc, const void *data, size_t size);
+/* The same without special instructions, for processors that lack them and for the test. */
+uint32_t crc32c_plain(uint32_t crc, const void *data, size_t size);
 
 /* Text of the endpoints below a runtime directory, and the default directory
  * ($SCREE_RUNTIME, $XDG_RUNTIME_DIR/scree, /tmp/scree-UID). */

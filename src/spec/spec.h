@@ -79,6 +79,8 @@ enum { SPEC_PARAMS_MAX = 512 };
 
 /* What a world takes in memory, bytes a grain, lists and histories at rest included (measured: src/dem/README.md). */
 #define SPEC_BYTES_PER_GRAIN 1000.0
+/* Grains in one world: rows are numbered in 25 bits. */
+enum { SPEC_GRAINS_MAX = 30000000 };
 
 struct job_spec {
     const struct scenario_fields *scenario; // never NULL once decoded
@@ -107,9 +109,9 @@ struct scenario_fields {
     const struct field_table *params; // its struct fits SPEC_PARAMS_MAX
     /* Overwrites those of the job's defaults that differ for this scenario. */
     void (*defaults)(struct job_spec *job);
-    /* Checks what ranges cannot say (time step against stiffness, domain against
-     * grain size, memory against `memory_limit` bytes); the job has passed the range checks. */
-    enum scree_status (*check)(const struct job_spec *job, double memory_limit, struct scree_error *err);
+    /* Checks what ranges cannot say (time step against stiffness, intervals
+     * against the step); the job has passed the range checks. */
+    enum scree_status (*check)(const struct job_spec *job, struct scree_error *err);
     /* Size of the job: grains (moving and fixed), steps to end_s, bytes in memory. */
     struct job_cost (*cost)(const struct job_spec *job);
 };

@@ -1,0 +1,206 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The job's own fields, its defaults and the checks that need no simulation. */
+#include <stdio.h>
+#include <string.h>
+
+#include "spec/spec.h"
+
+#define COUNT(array) (sizeof(array) / sizeof *(array))
+
+static const struct field time_fields[] = {
+    {.name = "step_s",
+     .type = FIELD_REAL,
+     .offset = offsetof(struct time_spec, step_s),
+     .min = 1e-12,
+     .max = 1,
+     .preset = 2.5e-7,
+     .unit = "s",
+     .doc = "time step",
+     .source = "seed 000 S4.5"},
+    {.name = "end_s",
+     .type = FIELD_REAL,
+     .offset = offsetof(struct time_spec, end_s),
+     .min = 0,
+     .max = 1e6,
+     .preset = 20,
+     .unit = "s",
+     .doc = "simulated time at which the job ends at the latest",
+     .source = "",
+     .steerable = true},
+};
+static const struct field_table time_table = {"time", "", time_fields, COUNT(time_fields), sizeof(struct time_spec)};
+
+static const char *const stop_words[] = {"rest", "steady", "accelerating", NULL};
+static const struct field stop_fields[] = {
+    {.name = "when",
+     .type = FIELD_FLAGS,
+     .offset = offsetof(struct stop_spec, when),
+     .preset = STOP_REST | STOP_STEADY,
+     .unit = "",
+     .doc = "verdicts that end the job; [] runs to time.end_s",
+     .source = "",
+     .choices = stop_words},
+};
+static const struct field_table stop_table = {"stop", "", stop_fields, COUNT(stop_fields), sizeof(struct stop_spec)};
+
+#define EVERY(seconds, what)                                                                                                       \
+    {                                                                                                                              \
+        .name = "every_s", .type = FIELD_REAL, .offset = sizeof(double), .min = 1e-12, .max = 1e6, .preset = seconds, .unit = "s", \
+        .doc = what, .source = "", .steerable = true                                                                               \
+    }
+static const struct field series_fields[] = {
+    EVERY(2.5e-6, "length of the blocks that are averaged over, a whole number of steps"),
+    {.name = "chunk",
+     .type = FIELD_INT,
+     .offset = offsetof(struct record_series, chunk),
+     .min = 16,
+     .max = 65536,
+     .preset = 1024,
+     .unit = "samples",
+     .doc = "samples in a chunk of the stream",
+     .source = ""},
+};
+static const struct field bulk_fields[] = {EVERY(1e-3, "interval between samples")};
+static const struct field snapshot_fields[] = {EVERY(1e-2, "interval between frames")};
+_Static_assert(offsetof(struct record_series, every_s) == sizeof(double) &&
+                   offsetof(struct record_every, every_s) == sizeof(double),
+               "EVERY takes the interval to follow the switch");
+
+static const struct field_table series_table = {"series", "", series_fields, COUNT(series_fields), sizeof(struct record_series)};
+static const struct field_table bulk_table = {"bulk", "", bulk_fields, COUNT(bulk_fields), sizeof(struct record_every)};
+static const struct field_table snapshot_table = {"snapshots", "", snapshot_fields, COUNT(snapshot_fields),
+                                                  sizeof(struct record_every)};
+static const struct field_table contact_table = {"contact", "", NULL, 0, sizeof(struct record_every)};
+
+static const struct field record_fields[] = {
+    {.name = "basal_force",
+     .type = FIELD_SWITCH,
+     .offset = offsetof(struct record_spec, basal_force),
+     .preset = 1,
+     .unit = "",
+     .doc = "force of the flow on its base, three components, taken at every step and averaged over blocks",
+     .source = "protocols 1.6",
+     .table = &series_table},
+    {.name = "bulk",
+     .type = FIELD_SWITCH,
+     .offset = offsetof(struct record_spec, bulk),
+     .preset = 1,
+     .unit = "",
+     .doc = "energies, speeds, centre of mass: what verdicts rest on",
+     .source = "protocols 1.5",
+     .table = &bulk_table},
+    {.name = "energy",
+     .type = FIELD_SWITCH,
+     .offset = offsetof(struct record_spec, energy),
+     .preset = 0,
+     .unit = "",
+     .doc = "ledger: work of gravity, kinetic, elastic, dissipated",
+     .source = "",
+     .table = &bulk_table},
+    {.name = "snapshots",
+     .type = FIELD_SWITCH,
+     .offset = offsetof(struct record_spec, snapshots),
+     .preset = 0,
+     .unit = "",
+     .doc = "every grain's state",
+     .source = "",
+     .table = &snapshot_table},
+    {.name = "contact",
+     .type = FIELD_SWITCH,
+     .offset = offsetof(struct record_spec, contact),
+     .preset = 0,
+     .unit = "",
+     .doc = "scenario collision: overlap and forces of the one contact, at every step",
+     .source = "",
+     .table = &contact_table},
+};
+static const struct field_table record_table = {"record", "", record_fields, COUNT(record_fields), sizeof(struct record_spec)};
+
+static const struct field job_fields[] = {
+    {.name = "seed",
+     .type = FIELD_INT,
+     .offset = offsetof(struct job_spec, seed),
+     .min = 0,
+     .max = 9007199254740992.0,
+     .preset = 1,
+     .unit = "",
+     .doc = "of the random filling",
+     .source = ""},
+    {.name = "title",
+     .type = FIELD_TEXT,
+     .offset = offsetof(struct job_spec, title),
+     .size = sizeof(((struct job_spec *)0)->title),
+     .unit = "",
+     .doc = "for people",
+     .source = ""},
+    {.name = "threads",
+     .type = FIELD_INT,
+     .offset = offsetof(struct job_spec, threads),
+     .min = 1,
+     .max = 256,
+     .preset = 1,
+     .unit = "",
+     .doc = "threads that step this world together; worth it above some 20,000 grains",
+     .source = ""},
+    {.name = "priority",
+     .type = FIELD_INT,
+     .offset = offsetof(struct job_spec, priority),
+     .min = -100,
+     .max = 100,
+     .preset = 0,
+     .unit = "",
+     .doc = "jobs of higher priority leave the queue first",
+     .source = "",
+     .steerable = true},
+    {.name = "time",
+     .type = FIELD_GROUP,
+     .offset = offsetof(struct job_spec, time),
+     .unit = "",
+     .doc = "",
+     .source = "",
+     .table = &time_table},
+    {.name = "stop",
+     .type = FIELD_GROUP,
+     .offset = offsetof(struct job_spec, stop),
+     .unit = "",
+     .doc = "",
+     .source = "",
+     .table = &stop_table},
+    {.name = "record",
+     .type = FIELD_GROUP,
+     .offset = offsetof(struct job_spec, record),
+     .unit = "",
+     .doc = "",
+     .source = "",
+     .table = &record_table},
+};
+const struct field_table job_table = {"job", "what every job can say beside its scenario's params and its material", job_fields,
+                                      COUNT(job_fields), sizeof(struct job_spec)};
+
+void job_defaults(struct job_spec *job, const struct scenario_fields *scenario)
+{
+    memset(job, 0, sizeof *job);
+    job->scenario = scenario;
+    field_defaults(&job_table, job);
+    field_defaults(scenario->params, job->params);
+    job->material = material_preset_find(scenario->material)->values;
+    if (scenario->defaults)
+        scenario->defaults(job);
+}
+
+enum scree_status job_check(const struct job_spec *job, double memory_limit, struct scree_error *err)
+{
+    enum scree_status status;
+    if ((status = field_check(&job_table, job, "", err)) ||
+        (status = field_check(job->scenario->params, job->params, "params", err)) ||
+        (status = field_check(&material_table, &job->material, "material", err)))
+        return status;
+    struct job_cost cost = job->scenario->cost(job);
+    if (memory_limit > 0 && cost.bytes > memory_limit) {
+        scree_fail(err, SCREE_NO_MEMORY, "params", "this world needs %.3g GB of memory and %.3g GB are to be had", cost.bytes / 1e9,
+                   memory_limit / 1e9);
+        scree_hint(err, "%.4g grains at about %.3g bytes each: take fewer", cost.moving + cost.fixed, SPEC_BYTES_PER_GRAIN);
+        return SCREE_NO_MEMORY;
+    }
+    return job->scenario->check(job, err);
+}

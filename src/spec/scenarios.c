@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The list of scenarios, and the checks that several share. */
+#include "spec/scenarios.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/text.h"
+
+const struct scenario_fields *const scenario_list[] = {&scenario_incline_fields, &scenario_collision_fields};
+const size_t scenario_count = sizeof scenario_list / sizeof *scenario_list;
+
+const struct scenario_fields *scenario_find(const char *name)
+{
+    for (size_t k = 0; k < scenario_count; k++)
+        if (strcmp(scenario_list[k]->name, name) == 0)
+            return scenario_list[k];
+    return NULL;
+}
+
+enum scree_status check_step(const struct job_spec *job, double speed, struct scree_error *err)
+{
+    double stable = material_stable_step(&job->material, speed);
+    char step[TEXT_REAL_MAX];
+    if (job->time.step_s <= stable)
+        return SCREE_OK;
+    scree_fail(
+        err, SCREE_INVALID, "time.step_s",
+        "time.step_s: %s s is above the largest stable step, %.3g s: a contact at %.3g m/s between these grains lasts %.3g s and "
+        "takes at least 8 steps",
+        text_real(job->time.step_s, step), stable, speed, material_contact_time(&job->material, speed));
+    scree_hint(err, "shorten time.step_s, or soften material.young_Pa: the step grows as its power -2/5");
+    return SCREE_INVALID;
+}
+
+/* An interval must hold at least one step; it is rounded to whole steps. */
+static enum scree_status check_interval(double every_s, double step_s, const char *path, struct scree_error *err)
+{
+    char every[TEXT_REAL_MAX], step[TEXT_REAL_MAX];
+    if (every_s >= 0.5 * step_s)
+        return SCREE_OK;
+    return scree_fail(err, SCREE_INVALID, path, "%s: %s s is below the time step of %s s", path, text_real(every_s, every),
+                      text_real(step_s, step));
+}
+
+enum scree_status check_intervals(const struct job_spec *job, struct scree_error *err)
+{
+    const struct record_spec *r = &job->record;
+    const struct {
+        bool on;
+        double every_s;
+        const char *path;
+    } all[] = {{r->basal_force.on, r->basal_force.every_s, "record.basal_force.every_s"},
+               {r->bulk.on, r->bulk.every_s, "record.bulk.every_s"},
+               {r->energy.on, r->energy.every_s, "record.energy.every_s"},
+               {r->snapshots.on, r->snapshots.every_s, "record.snapshots.every_s"}};
+    for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
+        enum scree_status status = all[k].on ? check_interval(all[k].every_s, job->time.step_s, all[k].path, err) : SCREE_OK;
+        if (status)
+            return status;
+    }
+    return SCREE_OK;
+}

@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a world keeps beside its grains. Private to this folder. */
+#ifndef SCREE_WORLD_STATE_H
+#define SCREE_WORLD_STATE_H
+
+#include "dem/dem.h"
+#include "measure/bulk.h"
+#include "measure/contact.h"
+#include "measure/series.h"
+#include "measure/verdict.h"
+#include "measure/window.h"
+#include "scenario/scenario.h"
+#include "scree.h"
+
+/* Something taken every so many steps. */
+struct schedule {
+    bool on;
+    uint64_t every; // steps, at least 1
+};
+
+enum { STREAMS_MAX = 8 };
+
+struct scree_world {
+    struct job_spec job;
+    struct scree_sink sink;
+    const struct scenario *scenario;
+    struct dem *dem;
+    int threads;
+    uint64_t step, end_step;
+    bool stopped, closed;
+
+    struct schedule force, bulk, energy, snapshots, contact;
+    struct series force_series, bulk_series, energy_series, contact_series;
+    uint64_t snapshot_seq;
+    const struct scree_stream *streams[STREAMS_MAX];
+    size_t stream_count;
+
+    double base_z, area; // of the scenario's base, m, m2
+    struct bulk last;    // the newest sample
+    double start_energy; // J
+    struct verdict verdict;
+    struct window force_window; // force on the base, weighted by steps
+    struct window bulk_window;  // what bulk samples say, each of weight 1
+    struct contact_trace trace;
+};
+
+/* Values of bulk_window. */
+enum { BULK_MEAN_HEIGHT, BULK_MEAN_VX, BULK_MEAN_SPEED, BULK_MEAN_CONTACTS, BULK_MEAN_KINETIC };
+
+#endif
