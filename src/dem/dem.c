@@ -241,6 +241,17 @@ void dem_set_gravity(struct dem *dem, const double gravity[3])
     dem->start_potential = order_potential(dem) + dem->wrapped_work - before;
 }
 
+struct dem_counts dem_counts(const struct dem *dem)
+{
+    struct dem_counts counts = {.refreshes = dem->plan.refreshes, .rebuilds = dem->plan.rebuilds};
+    for (int k = 0; k < dem->part_count; k++) {
+        counts.contacts += dem->parts[k].active_count;
+        counts.near += dem->parts[k].near.count;
+        counts.outer += dem->parts[k].outer_count;
+    }
+    return counts;
+}
+
 double dem_bytes(double moving, double fixed)
 {
     return (moving + fixed) * SPEC_BYTES_PER_GRAIN;

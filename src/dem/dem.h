@@ -73,6 +73,13 @@ void dem_set_gravity(struct dem *dem, const double gravity[3]);
 /* Over positions, velocities, spins (at their half steps) and contact histories, by grain id. */
 uint64_t dem_hash(const struct dem *dem);
 
+/* What the lists and the last step hold, for reports: pairs, and how often lists were made. */
+struct dem_counts {
+    size_t contacts, near, outer;
+    uint64_t refreshes, rebuilds;
+};
+struct dem_counts dem_counts(const struct dem *dem);
+
 /* Bytes a world of that size takes, for refusals before building it. */
 double dem_bytes(double moving, double fixed);
 

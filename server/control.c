@@ -1,0 +1,404 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* One loop over three sockets, a wake-up from workers and recorder, and signals.
+ * Nothing in it waits for a simulation, for HDF5 or for a peer. */
+#include "control.h"
+
+#include <errno.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/eventfd.h>
+#include <sys/signalfd.h>
+#include <time.h>
+#include <unistd.h>
+#include <zmq.h>
+
+#include "auth.h"
+#include "log.h"
+#include "requests.h"
+#include "streams.h"
+
+enum { PEER_MAX = 256, FRAMES_MAX = 8, PENDING_MAX = 256, PROGRESS_MS = 200 };
+
+/* A fetch whose answer is still to come. */
+struct pending {
+    uint64_t ticket; // 0: free
+    unsigned char peer[PEER_MAX];
+    size_t peer_size;
+    char id[PROTOCOL_ID_MAX + 1];
+};
+
+struct control {
+    struct daemon daemon;
+    void *context, *control, *stream, *events;
+    struct streams *streams;
+    int wake_fd, signal_fd, signals;
+    struct pending pending[PENDING_MAX];
+    struct timespec last_progress;
+};
+
+/* ---- sockets ---- */
+
+static void *open_socket(struct control *c, int type, const char *endpoint, struct scree_error *err)
+{
+    void *socket = zmq_socket(c->context, type);
+    int mandatory = 1, linger = 200, queue = 256;
+    int64_t largest = PROTOCOL_FRAME_MAX;
+    if (!socket) {
+        scree_fail(err, SCREE_IO, "", "no socket: %s", zmq_strerror(errno));
+        return NULL;
+    }
+    zmq_setsockopt(socket, ZMQ_LINGER, &linger, sizeof linger);
+    zmq_setsockopt(socket, ZMQ_MAXMSGSIZE, &largest, sizeof largest);
+    zmq_setsockopt(socket, ZMQ_SNDHWM, &queue, sizeof queue);
+    zmq_setsockopt(socket, ZMQ_RCVHWM, &queue, sizeof queue);
+    if (type == ZMQ_ROUTER)
+        zmq_setsockopt(socket, ZMQ_ROUTER_MANDATORY, &mandatory, sizeof mandatory);
+    else
+        zmq_setsockopt(socket, ZMQ_XPUB_VERBOSE, &mandatory, sizeof mandatory);
+    if (zmq_bind(socket, endpoint) != 0) {
+        scree_fail(err, SCREE_IO, "listen", "cannot listen on %s: %s", endpoint, zmq_strerror(errno));
+        zmq_close(socket);
+        return NULL;
+    }
+    return socket;
+}
+
+/* Another daemon that answers on this runtime directory is not pushed aside. */
+static enum scree_status check_nobody_listens(const struct config *config, struct scree_error *err)
+{
+    const char *path = config->listen + strlen("ipc://");
+    if (access(path, F_OK) != 0)
+        return SCREE_OK;
+    void *context = zmq_ctx_new(), *socket = zmq_socket(context, ZMQ_DEALER);
+    int linger = 0, timeout = 500;
+    static const char request[] = "{\"id\":\"who\",\"op\":\"ping\"}";
+    zmq_setsockopt(socket, ZMQ_LINGER, &linger, sizeof linger);
+    zmq_setsockopt(socket, ZMQ_RCVTIMEO, &timeout, sizeof timeout);
+    zmq_connect(socket, config->listen);
+    zmq_send(socket, PROTOCOL_VERSION, strlen(PROTOCOL_VERSION), ZMQ_SNDMORE | ZMQ_DONTWAIT);
+    zmq_send(socket, request, strlen(request), ZMQ_SNDMORE | ZMQ_DONTWAIT);
+    zmq_send(socket, "{}", 2, ZMQ_DONTWAIT);
+    char answer[8];
+    int answered = zmq_recv(socket, answer, sizeof answer, 0);
+    zmq_close(socket);
+    zmq_ctx_term(context);
+    if (answered >= 0)
+        return scree_fail(err, SCREE_BUSY, "listen", "another screed listens on %s", config->listen);
+    return SCREE_OK;
+}
+
+static enum scree_status open_sockets(struct control *c, struct scree_error *err)
+{
+    const struct config *config = c->daemon.config;
+    enum scree_status status = auth_runtime_dir(config->runtime, err);
+    if (status || (status = check_nobody_listens(config, err)))
+        return status;
+    c->context = zmq_ctx_new();
+    if (!c->context)
+        return scree_fail(err, SCREE_IO, "", "no messaging context: %s", zmq_strerror(errno));
+    if (!(c->control = open_socket(c, ZMQ_ROUTER, config->listen, err)) ||
+        !(c->stream = open_socket(c, ZMQ_ROUTER, config->stream, err)) ||
+        !(c->events = open_socket(c, ZMQ_XPUB, config->events, err)))
+        return SCREE_IO;
+    return SCREE_OK;
+}
+
+/* ---- replies and events ---- */
+
+static void send_reply(struct control *c, const void *peer, size_t peer_size, cJSON *reply)
+{
+    char *text = reply ? json_print(reply, false) : NULL;
+    cJSON_Delete(reply);
+    /* A peer that is gone, or does not read, asks again if it cares. */
+    if (text && zmq_send(c->control, peer, peer_size, ZMQ_SNDMORE | ZMQ_DONTWAIT) >= 0) {
+        zmq_send(c->control, PROTOCOL_VERSION, strlen(PROTOCOL_VERSION), ZMQ_SNDMORE | ZMQ_DONTWAIT);
+        zmq_send(c->control, text, strlen(text), ZMQ_DONTWAIT);
+    }
+    free(text);
+}
+
+static void publish(struct control *c, const struct job *job, const char *kind, cJSON *json)
+{
+    char topic[64];
+    char *text = json ? json_print(json, false) : NULL;
+    cJSON_Delete(json);
+    snprintf(topic, sizeof topic, "job/%s/%s", job->id, kind);
+    if (text && zmq_send(c->events, topic, strlen(topic), ZMQ_SNDMORE | ZMQ_DONTWAIT) >= 0)
+        zmq_send(c->events, text, strlen(text), ZMQ_DONTWAIT);
+    free(text);
+}
+
+static void publish_heads(struct control *c, const struct job *job)
+{
+    for (size_t k = 0; k < job->report.head_count; k++) {
+        cJSON *json = cJSON_CreateObject();
+        json_put_text(json, "job", job->id);
+        json_put_text(json, "stream", job->report.heads[k].name);
+        json_put_int(json, "chunks", (long long)job->report.heads[k].chunks);
+        publish(c, job, "head", json);
+    }
+}
+
+static bool progress_is_due(struct control *c)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    long passed = (long)(now.tv_sec - c->last_progress.tv_sec) * 1000 + (now.tv_nsec - c->last_progress.tv_nsec) / 1000000;
+    if (passed < PROGRESS_MS)
+        return false;
+    c->last_progress = now;
+    return true;
+}
+
+static void job_changed(void *context, const struct job *job, enum job_event what)
+{
+    struct control *c = context;
+    if (c->streams)
+        streams_changed(c->streams, job);
+    if (what == EVENT_STATE) {
+        cJSON *json = cJSON_CreateObject();
+        json_put_text(json, "job", job->id);
+        json_put_text(json, "state", job_state_word(job->state));
+        json_put_text(json, "verdict", scree_verdict_word(job->report.verdict));
+        publish(c, job, "state", json);
+    } else if (what == EVENT_PROGRESS && progress_is_due(c)) {
+        publish(c, job, "progress", requests_summary(job));
+        publish_heads(c, job);
+    }
+}
+
+static void job_fetched(void *context, uint64_t ticket, const struct job *job, const char *path, const struct scree_error *error)
+{
+    struct control *c = context;
+    for (int k = 0; k < PENDING_MAX; k++) {
+        struct pending *p = &c->pending[k];
+        if (p->ticket != ticket)
+            continue;
+        p->ticket = 0;
+        send_reply(c, p->peer, p->peer_size,
+                   error ? reply_error(p->id, scree_status_word(error->status), error)
+                         : reply_ok(p->id, requests_fetched(job, path)));
+        return;
+    }
+}
+
+/* ---- requests ---- */
+
+static struct pending *keep_pending(struct control *c, const void *peer, size_t peer_size, const char *id)
+{
+    for (int k = 0; k < PENDING_MAX; k++) {
+        struct pending *p = &c->pending[k];
+        if (p->ticket)
+            continue;
+        p->ticket = c->daemon.tickets + 1; // the one that the request will take
+        memcpy(p->peer, peer, peer_size);
+        p->peer_size = peer_size;
+        snprintf(p->id, sizeof p->id, "%s", id);
+        return p;
+    }
+    return NULL;
+}
+
+static void bad_request(struct control *c, const void *peer, size_t peer_size, const char *id, const struct scree_error *error)
+{
+    send_reply(c, peer, peer_size, reply_error(id, "bad_request", error));
+}
+
+static void handle(struct control *c, const void *peer, size_t peer_size, zmq_msg_t *header, zmq_msg_t *body)
+{
+    struct envelope envelope;
+    struct scree_error error = {0};
+    cJSON *json = NULL, *reply = NULL;
+    struct pending *pending = NULL;
+    if (envelope_read(zmq_msg_data(header), zmq_msg_size(header), &envelope, &error)) {
+        bad_request(c, peer, peer_size, envelope.id, &error);
+        return;
+    }
+    if (json_read(zmq_msg_data(body), zmq_msg_size(body), "body", &json, &error)) {
+        bad_request(c, peer, peer_size, envelope.id, &error);
+        return;
+    }
+    if (!cJSON_IsObject(json)) {
+        scree_fail(&error, SCREE_INVALID, "", "the body must be a JSON object");
+        bad_request(c, peer, peer_size, envelope.id, &error);
+        goto out;
+    }
+    if (strcmp(envelope.op, "fetch") == 0 && !(pending = keep_pending(c, peer, peer_size, envelope.id))) {
+        scree_fail(&error, SCREE_BUSY, "", "too many results are being fetched; try again later");
+        send_reply(c, peer, peer_size, reply_error(envelope.id, "busy", &error));
+        goto out;
+    }
+    if (requests_handle(&c->daemon, &envelope, json, &reply) == ANSWER_NOW) {
+        if (pending)
+            pending->ticket = 0;
+        send_reply(c, peer, peer_size, reply);
+    }
+out:
+    cJSON_Delete(json);
+}
+
+static bool is_version(zmq_msg_t *frame)
+{
+    return zmq_msg_size(frame) == strlen(PROTOCOL_VERSION) &&
+           memcmp(zmq_msg_data(frame), PROTOCOL_VERSION, zmq_msg_size(frame)) == 0;
+}
+
+/* Reads requests, at most so many a turn. */
+static void receive(struct control *c)
+{
+    for (int taken = 0; taken < 64; taken++) {
+        zmq_msg_t frames[FRAMES_MAX];
+        int count = 0, total = 0, more = 1;
+        while (more) {
+            zmq_msg_t frame;
+            zmq_msg_init(&frame);
+            if (zmq_msg_recv(&frame, c->control, ZMQ_DONTWAIT) < 0) {
+                zmq_msg_close(&frame);
+                break;
+            }
+            more = zmq_msg_more(&frame);
+            total++;
+            if (count < FRAMES_MAX)
+                frames[count++] = frame;
+            else
+                zmq_msg_close(&frame);
+        }
+        if (count == 0)
+            return;
+        const void *peer = zmq_msg_data(&frames[0]);
+        size_t peer_size = zmq_msg_size(&frames[0]);
+        if (peer_size > PEER_MAX) {
+            // no peer of ours names itself so
+        } else if (total == 4 && is_version(&frames[1])) {
+            handle(c, peer, peer_size, &frames[2], &frames[3]);
+        } else {
+            struct scree_error error;
+            scree_fail(&error, SCREE_INVALID, "", "three frames are expected: \"%s\", a header and a body", PROTOCOL_VERSION);
+            bad_request(c, peer, peer_size, "", &error);
+        }
+        for (int k = 0; k < count; k++)
+            zmq_msg_close(&frames[k]);
+    }
+}
+
+/* ---- the loop ---- */
+
+static void read_signals(struct control *c)
+{
+    struct signalfd_siginfo info;
+    while (read(c->signal_fd, &info, sizeof info) == sizeof info) {
+        if (++c->signals > 1 || (int)info.ssi_signo == SIGQUIT) {
+            log_line(LOG_WARNING, "signal=%u ending at once", info.ssi_signo);
+            _exit(1);
+        }
+        log_line(LOG_INFO, "signal=%u ending", info.ssi_signo);
+        c->daemon.ending = true;
+    }
+}
+
+static bool parent_is_gone(const struct control *c)
+{
+    return c->daemon.config->parent && kill(c->daemon.config->parent, 0) != 0 && errno == ESRCH;
+}
+
+/* Subscriptions to events say nothing that we need; they are read so that they do not pile up. */
+static void drain_events(struct control *c)
+{
+    char buffer[256];
+    while (zmq_recv(c->events, buffer, sizeof buffer, ZMQ_DONTWAIT) >= 0)
+        ;
+}
+
+static void loop(struct control *c)
+{
+    bool more = false;
+    while (!c->daemon.ending) {
+        zmq_pollitem_t items[] = {{.socket = c->control, .events = ZMQ_POLLIN},
+                                  {.socket = c->stream, .events = ZMQ_POLLIN},
+                                  {.socket = c->events, .events = ZMQ_POLLIN},
+                                  {.fd = c->wake_fd, .events = ZMQ_POLLIN},
+                                  {.fd = c->signal_fd, .events = ZMQ_POLLIN}};
+        eventfd_t wakes;
+        zmq_poll(items, sizeof items / sizeof *items, more ? 5 : 1000);
+        if (items[3].revents)
+            eventfd_read(c->wake_fd, &wakes);
+        if (items[4].revents)
+            read_signals(c);
+        if (items[2].revents)
+            drain_events(c);
+        receive(c);
+        scheduler_turn(c->daemon.scheduler);
+        streams_receive(c->streams);
+        more = streams_send(c->streams);
+        if (parent_is_gone(c)) {
+            log_line(LOG_INFO, "parent=%d is gone, ending", c->daemon.config->parent);
+            c->daemon.ending = true;
+        }
+    }
+}
+
+/* SIGTERM and SIGINT while workers finish their slices still end at once. */
+static void *second_signal(void *argument)
+{
+    struct pollfd wait = {.fd = *(int *)argument, .events = POLLIN};
+    if (poll(&wait, 1, -1) > 0)
+        _exit(1);
+    return NULL;
+}
+
+static void say_ready(const struct config *config)
+{
+    if (config->ready_fd < 0)
+        return;
+    if (write(config->ready_fd, "ready\n", 6) != 6)
+        log_line(LOG_WARNING, "ready-fd=%d could not be written", config->ready_fd);
+    close(config->ready_fd);
+}
+
+enum scree_status control_run(const struct config *config, struct scree_error *err)
+{
+    struct control *c = calloc(1, sizeof *c);
+    struct timespec now;
+    sigset_t signals;
+    pthread_t watcher;
+    enum scree_status status;
+    if (!c)
+        return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory");
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    c->daemon = (struct daemon){.config = config, .started = (double)now.tv_sec + 1e-9 * (double)now.tv_nsec};
+    sigemptyset(&signals);
+    sigaddset(&signals, SIGTERM);
+    sigaddset(&signals, SIGINT);
+    c->wake_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    c->signal_fd = signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK);
+    const struct scheduler_watch watch = {.changed = job_changed, .fetched = job_fetched, .context = c};
+    if ((status = open_sockets(c, err)) || (status = scheduler_open(&c->daemon.scheduler, config, c->wake_fd, &watch, err)) ||
+        (status = streams_open(&c->streams, c->stream, c->daemon.scheduler, err)))
+        goto out;
+    log_line(LOG_INFO, "listen=%s data=%s workers=%d version=%s", config->listen, config->data, config->workers, scree_build());
+    say_ready(config);
+    loop(c);
+    if (pthread_create(&watcher, NULL, second_signal, &c->signal_fd) == 0)
+        pthread_detach(watcher);
+out:
+    streams_close(c->streams);
+    c->streams = NULL;
+    if (c->events)
+        zmq_close(c->events);
+    c->events = NULL;
+    scheduler_close(c->daemon.scheduler);
+    if (c->control)
+        zmq_close(c->control);
+    if (c->stream)
+        zmq_close(c->stream);
+    if (c->context)
+        zmq_ctx_term(c->context);
+    if (!status)
+        log_line(LOG_INFO, "ended");
+    close(c->wake_fd);
+    free(c); // the signal descriptor stays for the watcher: the process ends now
+    return status;
+}

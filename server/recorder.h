@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The one thread that calls HDF5: turns stream logs into result files, in the
+ * order in which they were asked for. */
+#ifndef SCREE_SERVER_RECORDER_H
+#define SCREE_SERVER_RECORDER_H
+
+#include "job.h"
+
+struct recorder;
+
+struct record_order {
+    int64_t job;     // number
+    bool final;      // result.h5 of an ended job, else a result up to now
+    uint64_t ticket; // the asker's, given back
+    struct job_spec spec;
+    char id[JOB_ID_MAX], state[16], log_path[CONFIG_PATH_MAX + 64], path[CONFIG_PATH_MAX + 64];
+    char *spec_text; // owned
+    struct run_report report;
+    const struct scree_stream *streams[JOB_STREAMS_MAX];
+    size_t stream_count;
+    /* Filled by the recorder. */
+    enum scree_status status;
+    struct scree_error error;
+    struct record_order *next;
+};
+
+enum scree_status recorder_start(struct recorder **out, int wake_fd, struct scree_error *err);
+
+/* Takes the order over (malloc). It comes back through recorder_take. */
+void recorder_ask(struct recorder *recorder, struct record_order *order);
+
+/* An order that has been carried out, or NULL; the caller frees it with record_order_free. */
+struct record_order *recorder_take(struct recorder *recorder);
+void record_order_free(struct record_order *order);
+
+/* Finishes the orders that were asked for and ends the thread. */
+void recorder_stop(struct recorder *recorder);
+
+#endif
