@@ -158,7 +158,9 @@ static void slice_member(void *context, int member)
     for (uint64_t k = 0; k < slice->steps; k++) {
         uint64_t step = slice->first + k;
         if (step > 0 && step % DEM_HOUSEKEEPING == 0) {
-            /* Before the step, so that between slices rows and lists belong together. */
+            /* Before the step, so that between slices rows and lists belong together;
+             * behind a barrier, since others may still be kicking their grains. */
+            team_barrier(dem->team);
             if (member == 0)
                 slice->status = order_housekeeping(dem, slice->err);
             team_barrier(dem->team);
