@@ -22,6 +22,13 @@ const struct kernels *kernels_for(enum cpu_isa isa)
     return all[isa];
 }
 
+static void set_gravity(struct dem *dem, const double gravity[3])
+{
+    struct vec3 g = vec3_load(gravity);
+    memcpy(dem->gravity, gravity, sizeof dem->gravity);
+    dem->weight = sqrt(vec3_dot(g, g));
+}
+
 static void fill_shifts(struct dem *dem)
 {
     for (int code = 0; code < IMAGE_CODES; code++) {
@@ -128,7 +135,7 @@ enum scree_status dem_create(const struct dem_setup *setup, struct dem **out, st
     dem->step_s = setup->step_s;
     dem->floor_z = setup->floor_z;
     dem->ledger = setup->ledger;
-    memcpy(dem->gravity, setup->gravity, sizeof dem->gravity);
+    set_gravity(dem, setup->gravity);
     memcpy(dem->length, setup->length, sizeof dem->length);
     fill_shifts(dem);
     dem->law->coefs(&setup->material, setup->step_s, &dem->coefs);
@@ -165,6 +172,11 @@ static void free_part(struct part *part)
     free(part->near.reach2);
     free(part->near.contact);
     free(part->near.touching);
+    free(part->hot.first);
+    free(part->hot.second);
+    free(part->hot.near);
+    free(part->hot.reach2);
+    free(part->hot.touching);
     free(part->walls);
     free(part->held.items);
     free(part->held_walls.items);
@@ -237,7 +249,7 @@ void dem_set_gravity(struct dem *dem, const double gravity[3])
 {
     /* The work of the old field so far is kept; the potential restarts with the new one. */
     double before = order_potential(dem) - dem->start_potential + dem->wrapped_work;
-    memcpy(dem->gravity, gravity, sizeof dem->gravity);
+    set_gravity(dem, gravity);
     dem->start_potential = order_potential(dem) + dem->wrapped_work - before;
 }
 
@@ -247,6 +259,7 @@ struct dem_counts dem_counts(const struct dem *dem)
     for (int k = 0; k < dem->part_count; k++) {
         counts.contacts += dem->parts[k].active_count;
         counts.near += dem->parts[k].near.count;
+        counts.hot += dem->parts[k].hot.count;
         counts.outer += dem->parts[k].outer_count;
     }
     return counts;

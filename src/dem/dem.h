@@ -75,7 +75,7 @@ uint64_t dem_hash(const struct dem *dem);
 
 /* What the lists and the last step hold, for reports: pairs, and how often lists were made. */
 struct dem_counts {
-    size_t contacts, near, outer;
+    size_t contacts, hot, near, outer;
     uint64_t refreshes, rebuilds;
 };
 struct dem_counts dem_counts(const struct dem *dem);

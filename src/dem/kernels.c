@@ -41,15 +41,15 @@ static size_t touch(const struct pair_batch *b, const double *reach2, size_t cou
         for (size_t k = 0; k < end; k += 4)
             bits |= (uint64_t)touching_of_four(b, reach2, base + k) << k;
         for (uint64_t fresh = bits & ~was; fresh; fresh &= fresh - 1) {
-            double *contact = b->contact[base + (size_t)__builtin_ctzll(fresh)];
+            double *contact = b->contact[b->near[base + (size_t)__builtin_ctzll(fresh)]];
             for (int s = 0; s < CONTACT_HISTORY; s++)
                 contact[s] = 0;
         }
         if (ended)
             for (uint64_t gone = was & ~bits; gone; gone &= gone - 1)
-                ended[finished++] = (uint32_t)(base + (size_t)__builtin_ctzll(gone));
+                ended[finished++] = b->near[base + (size_t)__builtin_ctzll(gone)];
         for (uint64_t left = bits; left; left &= left - 1)
-            active[found++] = (uint32_t)(base + (size_t)__builtin_ctzll(left));
+            active[found++] = b->near[base + (size_t)__builtin_ctzll(left)];
         touching[base / 64] = bits;
     }
     if (ended)

@@ -13,9 +13,9 @@
 struct kernels {
     /* Gravity's kick and the drift of rows [from, to): v += kick, x += dt v. */
     void (*drift)(double (*position)[4], double (*velocity)[4], size_t from, size_t to, const double kick[3], double dt);
-    /* Which near pairs touch now: updates the bits, clears the history of new
-     * contacts, writes the touching pairs in ascending order and, where `ended`
-     * is given, those that stopped. Returns how many touch. */
+    /* Which pairs of the hot list touch now: updates the bits, clears the history
+     * of new contacts, writes the near pairs that touch in ascending order and,
+     * where `ended` is given, those that stopped. Returns how many touch. */
     size_t (*touch)(const struct pair_batch *pairs, const double *reach2, size_t count, uint64_t *touching, uint32_t *active,
                     uint32_t *ended, size_t *ended_count);
     /* Kicks both grains of each touching pair whose rows lie in [from, to);

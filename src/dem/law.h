@@ -65,6 +65,7 @@ struct pair_batch {
     const double (*shift)[4]; // by image code
     const uint32_t *first;    // per near pair: row of grain 1
     const uint32_t *second;   // row of grain 2 and image code
+    const uint32_t *near;     // of a sub-list: where its pairs are in the list that owns `contact`
     double (*contact)[CONTACT_SLOTS];
     const uint32_t *active; // touching pairs, ascending
     size_t active_count;

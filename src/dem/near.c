@@ -1,14 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Two-level pair lists that are provably complete and never change a result.
+/* Pair lists at three levels, provably complete, which never change a result.
  *
- * The outer list holds pairs with a gap below the skin. From it a refresh takes
- * the near list: pairs that can touch before the next refresh. Grains that touch
- * nothing fly straight (but for gravity, common to all), so a pair is near only
- * if its straight paths bring it within reach, plus what the two may stray from
- * those paths: a budget. Each step adds the largest change of velocity of any
- * grain since the refresh, times the step, to what may have been used of it
- * (kernels.c notes it where contacts kick grains); when the budget or the
- * horizon is used up, the lists are refreshed before contacts are looked for.
+ * The outer list holds pairs with a gap below the skin (rebuilt every thousand
+ * steps or two). From it a refresh takes the near list, pairs that can touch within
+ * some hundred steps, which own the contacts' memory; and from that the hot list,
+ * pairs that can touch within some ten steps: those are what a step walks.
+ *
+ * Grains that touch nothing fly straight (but for gravity, common to all), so a
+ * pair is taken if its straight paths bring it within reach up to the horizon,
+ * plus what the two may stray from those paths: a budget. Each step adds the
+ * largest change of velocity of any grain since the refresh, times the step, to
+ * what may have been used of it (kernels.c notes it where contacts kick grains);
+ * when budget or horizon is used up, the list is made anew before contacts are
+ * looked for. The hot list's paths start at velocities that have themselves
+ * changed since the near refresh: twice the largest change bounds the difference.
  *
  * Contacts are walked in the order (first row, image, second row) whatever the
  * lists held, so when and how lists are made never shows in the bits. */
@@ -27,12 +32,15 @@ bool near_complete(struct dem *dem, struct part *part)
     double change = 0;
     for (int k = 0; k < dem->part_count; k++) {
         const double *s = dem->parts[k].strayed2;
-        change = fmax(change, s[0] + s[1] + s[2]);
+        double sum = s[0] + s[1] + s[2];
+        change = sum > change ? sum : change;
     }
-    const double *g = dem->gravity;
     part->age++;
-    double falling = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]) * dem->step_s * (double)part->age;
-    part->strayed += (sqrt(change) + falling) * dem->step_s;
+    part->hot.age++;
+    double falling = dem->weight * dem->step_s * (double)part->age;
+    part->change = sqrt(change) + falling;
+    part->strayed += part->change * dem->step_s;
+    part->hot.strayed += 2 * part->change * dem->step_s;
     return !dem->plan.stale && part->age <= part->horizon && part->strayed <= part->stray;
 }
 
@@ -77,6 +85,7 @@ enum scree_status near_take(struct dem *dem, struct held_list *pairs, struct hel
             for (size_t h = 0; h < part->held_walls.count && !status; h++)
                 status = hold(walls, part->held_walls.items[h].key, part->held_walls.items[h].contact, err);
         } else {
+            hot_sync(part);
             status = hold_part(part, pairs, walls, err);
         }
         part->held.count = part->held_walls.count = 0;
@@ -241,6 +250,10 @@ static enum scree_status part_refresh(struct dem *dem, struct part *part, uint64
         return status;
     memcpy(dem->velocity0[part->from], dem->velocity[part->from], (part->to - part->from) * sizeof *dem->velocity0);
     memset(part->strayed2, 0, sizeof part->strayed2);
+    part->speed = fastest;
+    if ((status = hot_room(&part->hot, kept + 4, err)))
+        return status;
+    hot_fill(dem, part);
     return SCREE_OK;
 }
 
@@ -248,8 +261,10 @@ void near_refresh(struct dem *dem, int member)
 {
     struct part *part = &dem->parts[member];
     struct near_plan *plan = &dem->plan;
-    if (!plan->stale)
+    if (!plan->stale) {
+        hot_sync(part);
         part->status = hold_part(part, &part->held, &part->held_walls, &part->error);
+    }
     measure_motion(dem, part);
     stray_adapt(dem, part);
     team_barrier(dem->team);

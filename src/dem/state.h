@@ -37,6 +37,17 @@ struct near_list {
     size_t count, room;
 };
 
+/* Those of the near pairs that could touch within the next few steps: what a
+ * step walks. Padded to a multiple of four like the near list. */
+struct hot_list {
+    uint32_t *first, *second, *near; // as in the near list, and the pair's place there
+    double *reach2;
+    uint64_t *touching; // a bit a pair; the near list's bits are as of the hot list's making
+    size_t count, room;
+    uint64_t age, horizon;
+    double stray, strayed; // as of the near list
+};
+
 /* Grains [from, to) and every pair whose first grain is among them: one member
  * of the team owns each part. Parts are contiguous in memory, and memory follows
  * space, so few pairs have their second grain in another part. */
@@ -47,6 +58,7 @@ struct part {
     uint32_t *kept; // scratch of the refresh: which outer pairs are near
     size_t kept_room;
     struct near_list near;
+    struct hot_list hot;
     struct wall_pair *walls;
     size_t wall_count, wall_room;
     struct held_list held, held_walls;
@@ -63,6 +75,8 @@ struct part {
     double strayed;            // bound on how far any grain of the world has left its straight path, m; the same in every part
     uint64_t age;              // steps since the refresh; the same in every part
     uint64_t horizon;          // steps that straight paths are followed for; the same in every part
+    double change;             // fastest change of velocity seen in the last interval, m/s
+    double speed;              // of the fastest grain of the world at the refresh, m/s
     double fastest, displaced; // largest speed and largest way since the outer rebuild of own grains, m/s, m
     enum scree_status status;
     struct scree_error error;
@@ -88,6 +102,7 @@ struct dem {
     double step_s;
     uint64_t step;
     double gravity[3], length[3], floor_z;
+    double weight; // size of gravity, m/s2
     double largest_radius;
 
     size_t moving, grains;  // rows 0 .. moving-1 move, the rest is the base
@@ -97,8 +112,8 @@ struct dem {
     double (*velocity0)[4]; // of moving grains at the last refresh
     double (*position0)[4]; // of moving grains at the last rebuild of the outer lists
     uint32_t *id;
-    double *mass; // by row
-    double shift[IMAGE_CODES][4];
+    double *mass;                              // by row
+    _Alignas(32) double shift[IMAGE_CODES][4]; // by image code, read as rows
 
     struct dem_wall *walls;
     size_t wall_count;
@@ -135,6 +150,13 @@ void near_refresh(struct dem *dem, int member);
 enum scree_status near_take(struct dem *dem, struct held_list *pairs, struct held_list *walls, struct scree_error *err);
 /* And gives them back, keys already those of the new rows. Sorts them. */
 enum scree_status near_give(struct dem *dem, struct held_list *pairs, struct held_list *walls, struct scree_error *err);
+
+/* hot.c. Makes the part's hot list anew if it may have become incomplete. */
+void near_heat(struct dem *dem, struct part *part);
+/* Room for `need` pairs; brings the near list's bits up to date; fills it from the near list. */
+enum scree_status hot_room(struct hot_list *hot, size_t need, struct scree_error *err);
+void hot_sync(struct part *part);
+void hot_fill(struct dem *dem, struct part *part);
 
 /* order.c, member 0 alone: blow-up, wrapping, order in memory; at multiples of DEM_HOUSEKEEPING. */
 enum scree_status order_housekeeping(struct dem *dem, struct scree_error *err);

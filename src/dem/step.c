@@ -2,7 +2,7 @@
 /* The time step: velocity Verlet with the half-step velocity in the damping.
  *
  *     drift      v(n+1/2) = v + g dt,  x(n+1) = x(n) + dt v(n+1/2)
- *     lists      refreshed if they may have become incomplete
+ *     lists      refreshed if they may have become incomplete (near.c)
  *     contacts   which pairs touch, and the law on each, at x(n+1), v(n+1/2)
  *     kick       each grain takes its own contacts in fixed order
  *     account    force on the base, dissipated energy
@@ -51,8 +51,11 @@ static void list_exports(const struct dem *dem, struct part *part)
 
 static void contacts(struct dem *dem, struct part *part)
 {
-    struct pair_batch batch = batch_of(dem, part);
-    part->active_count = dem->kernels->touch(&batch, part->near.reach2, part->near.count, part->near.touching, part->active,
+    struct pair_batch batch = batch_of(dem, part), hot = batch;
+    hot.first = part->hot.first;
+    hot.second = part->hot.second;
+    hot.near = part->hot.near;
+    part->active_count = dem->kernels->touch(&hot, part->hot.reach2, part->hot.count, part->hot.touching, part->active,
                                              dem->ledger ? part->ended : NULL, &part->ended_count);
     batch.active_count = part->active_count;
     dem->law->pairs[dem->isa](&dem->coefs, &batch);
@@ -175,6 +178,7 @@ static void slice_member(void *context, int member)
             if (first_failure(dem, NULL))
                 return;
         }
+        near_heat(dem, part);
         contacts(dem, part);
         team_barrier(dem->team);
         kick(dem, part);
