@@ -201,6 +201,8 @@ size_t base64_decode(const char *text, size_t length, void *out)
                 return SIZE_MAX;
             bits = bits << 6 | (digit && !padding ? (unsigned)(digit - digits) : 0u);
         }
+        if ((padding == 1 && bits & 0xff) || (padding == 2 && bits & 0xffff))
+            return SIZE_MAX; // one text for one value: no bits may hide behind the last byte
         *p++ = (unsigned char)(bits >> 16);
         if (padding < 2)
             *p++ = (unsigned char)(bits >> 8);

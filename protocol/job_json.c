@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
+
 static const char *kind_of(const cJSON *item)
 {
     if (cJSON_IsNull(item))
@@ -22,7 +24,7 @@ static const char *kind_of(const cJSON *item)
 
 static enum scree_status wrong_type(const char *path, const char *expected, const cJSON *item, struct scree_error *err)
 {
-    return scree_fail(err, SCREE_INVALID, path, "%s: expected %s, got %s", path, expected, kind_of(item));
+    return scree_fail(err, SCREE_INVALID, path, "%s: expected %s, got %s", *path ? path : "the job", expected, kind_of(item));
 }
 
 static void join(char out[SCREE_PATH_MAX], const char *path, const char *name)
@@ -37,15 +39,18 @@ static enum scree_status unknown_key(const char *path, const char *nearest, stru
     return SCREE_INVALID;
 }
 
-static enum scree_status decode_integer(const cJSON *item, const char *path, int64_t *out, struct scree_error *err)
+static enum scree_status decode_integer(const struct field *row, const cJSON *item, const char *path, int64_t *out,
+                                        struct scree_error *err)
 {
     if (!cJSON_IsNumber(item))
         return wrong_type(path, "a whole number", item, err);
     double value = item->valuedouble;
+    char text[TEXT_REAL_MAX], low[TEXT_REAL_MAX], high[TEXT_REAL_MAX];
     if (value != floor(value))
-        return scree_fail(err, SCREE_INVALID, path, "%s: %.17g is not a whole number", path, value);
-    if (fabs(value) > 9007199254740992.0)
-        return scree_fail(err, SCREE_INVALID, path, "%s: %.17g is outside -9007199254740992..9007199254740992", path, value);
+        return scree_fail(err, SCREE_INVALID, path, "%s: %s is not a whole number", path, text_real(value, text));
+    if (fabs(value) > 9007199254740992.0) // the range check to come sees an int64_t, which this may not fit
+        return scree_fail(err, SCREE_INVALID, path, "%s: %s is outside %s..%s%s%s", path, text_real(value, text),
+                          text_real(row->min, low), text_real(row->max, high), *row->unit ? " " : "", row->unit);
     *out = (int64_t)value;
     return SCREE_OK;
 }
@@ -58,9 +63,11 @@ static enum scree_status decode_text(const struct field *row, const cJSON *item,
     if (strlen(item->valuestring) >= row->size)
         return scree_fail(err, SCREE_INVALID, path, "%s: %zu bytes are more than the %zu that are accepted", path,
                           strlen(item->valuestring), row->size - 1);
-    for (const char *p = item->valuestring; *p; p++)
-        if ((unsigned char)*p < 0x20 || *p == 0x7f)
-            return scree_fail(err, SCREE_INVALID, path, "%s: control characters are not accepted", path);
+    char clean[row->size]; // a text given with --set has not been through json_read
+    snprintf(clean, row->size, "%s", item->valuestring);
+    text_clean(clean);
+    if (strcmp(clean, item->valuestring) != 0)
+        return scree_fail(err, SCREE_INVALID, path, "%s: control characters and bytes that are not UTF-8 are not accepted", path);
     snprintf(out, row->size, "%s", item->valuestring);
     return SCREE_OK;
 }
@@ -103,8 +110,11 @@ static enum scree_status decode_flags(const struct field *row, const cJSON *item
 
 static enum scree_status decode_vec3(const cJSON *item, const char *path, double out[3], struct scree_error *err)
 {
-    if (!cJSON_IsArray(item) || cJSON_GetArraySize(item) != 3)
+    if (!cJSON_IsArray(item))
         return wrong_type(path, "an array of three numbers", item, err);
+    if (cJSON_GetArraySize(item) != 3)
+        return scree_fail(err, SCREE_INVALID, path, "%s: expected an array of three numbers, got %d", path,
+                          cJSON_GetArraySize(item));
     int a = 0;
     for (const cJSON *part = item->child; part; part = part->next, a++) {
         if (!cJSON_IsNumber(part)) {
@@ -130,7 +140,7 @@ static enum scree_status decode_row(const struct field *row, const cJSON *item, 
         *(double *)value = item->valuedouble;
         return SCREE_OK;
     case FIELD_INT:
-        return decode_integer(item, path, value, err);
+        return decode_integer(row, item, path, value, err);
     case FIELD_BOOL:
         if (!cJSON_IsBool(item))
             return wrong_type(path, "true or false", item, err);
@@ -158,7 +168,7 @@ static enum scree_status decode_table(const struct field_table *table, const cJS
                                       const char *const *others, struct scree_error *err)
 {
     if (!cJSON_IsObject(json))
-        return wrong_type(*path ? path : "the job", "an object", json, err);
+        return wrong_type(path, "an object", json, err);
     for (const cJSON *item = json->child; item; item = item->next) {
         char full[SCREE_PATH_MAX];
         bool elsewhere = false;
@@ -185,7 +195,7 @@ static const char *const material_others[] = {"preset", NULL};
 static enum scree_status decode_scenario(const cJSON *json, struct job_spec *out, struct scree_error *err)
 {
     if (!cJSON_IsObject(json))
-        return wrong_type("the job", "an object", json, err);
+        return wrong_type("", "an object", json, err);
     const cJSON *item = json_get(json, "scenario");
     if (!item) {
         const char *near = NULL;
@@ -211,8 +221,11 @@ static enum scree_status decode_scenario(const cJSON *json, struct job_spec *out
 
 static enum scree_status decode_material(const cJSON *material, struct job_spec *out, struct scree_error *err)
 {
-    if (!cJSON_IsObject(material))
-        return wrong_type("material", "an object", material, err);
+    if (!cJSON_IsObject(material)) {
+        wrong_type("material", "an object", material, err);
+        scree_hint(err, "a published material is {\"preset\": NAME}; `scree materials` lists them");
+        return SCREE_INVALID;
+    }
     const cJSON *preset = json_get(material, "preset");
     if (preset) {
         if (!cJSON_IsString(preset))
@@ -320,6 +333,9 @@ enum scree_status job_json_set(cJSON *json, const char *assignment, struct scree
     if (!equals || equals == assignment)
         return scree_fail(err, SCREE_INVALID, "", "\"%s\" is not path=value", assignment);
     cJSON *value = NULL, *object = json;
+    const char *digits = equals + 1;
+    if (strspn(digits, "+-.0123456789eE") == strlen(digits) && strpbrk(digits, "0123456789") && !isfinite(strtod(digits, NULL)))
+        return scree_fail(err, SCREE_INVALID, "", "%s: a number beyond the range of double precision", assignment);
     if (json_read(equals + 1, strlen(equals + 1), "value", &value, NULL))
         value = cJSON_CreateString(equals + 1);
     for (const char *rest = assignment; value && object;) {

@@ -12,7 +12,8 @@
 enum scree_status job_decode(const cJSON *json, struct job_spec *out, struct scree_error *err);
 
 /* The resolved spec: every value spelled out. NULL on lack of memory.
- * job_decode(job_encode(j)) gives j again, to the bit. */
+ * job_decode(job_encode(j)) gives j again, to the bit, of a job that job_decode
+ * or job_defaults made: one whose records that are off hold their defaults. */
 cJSON *job_encode(const struct job_spec *job);
 
 /* Applies `path=value` (as of `--set`) to a job's JSON before decoding: the value

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A strict grammar check in front of cJSON, and numbers that survive it.
  *
- * The checker walks the text once by RFC 8259 and builds nothing but the stack
- * of open objects, whose keys it compares after the tree is built: duplicate
- * keys are found there, where escapes are already resolved. */
+ * The checker walks the text once by RFC 8259 and builds nothing. Duplicate keys
+ * are looked for in the tree that cJSON builds then, where escapes are resolved. */
 #include "protocol/json.h"
 
 #include <ctype.h>
@@ -44,27 +43,6 @@ static void skip_space(struct scan *s)
 static int peek(const struct scan *s)
 {
     return s->at < s->end ? *s->at : -1;
-}
-
-/* Length of the UTF-8 sequence at p, 0 if it is not one (overlong, surrogate, above U+10FFFF, cut short). */
-static size_t utf8_length(const unsigned char *p, const unsigned char *end)
-{
-    size_t left = (size_t)(end - p);
-    if (p[0] < 0x80)
-        return 1;
-    if (p[0] >= 0xc2 && p[0] <= 0xdf)
-        return left >= 2 && (p[1] & 0xc0) == 0x80 ? 2 : 0;
-    if (p[0] >= 0xe0 && p[0] <= 0xef) {
-        if (left < 3 || (p[1] & 0xc0) != 0x80 || (p[2] & 0xc0) != 0x80)
-            return 0;
-        return (p[0] == 0xe0 && p[1] < 0xa0) || (p[0] == 0xed && p[1] > 0x9f) ? 0 : 3;
-    }
-    if (p[0] >= 0xf0 && p[0] <= 0xf4) {
-        if (left < 4 || (p[1] & 0xc0) != 0x80 || (p[2] & 0xc0) != 0x80 || (p[3] & 0xc0) != 0x80)
-            return 0;
-        return (p[0] == 0xf0 && p[1] < 0x90) || (p[0] == 0xf4 && p[1] > 0x8f) ? 0 : 4;
-    }
-    return 0;
 }
 
 /* Four hexadecimal digits at p, or -1. */
@@ -126,7 +104,7 @@ static enum scree_status scan_string(struct scan *s)
                 return status;
             continue;
         }
-        size_t length = utf8_length(s->at, s->end);
+        size_t length = text_utf8_length((const char *)s->at, (const char *)s->end);
         if (length == 0)
             return refuse(s, "invalid UTF-8");
         s->at += length;
@@ -238,10 +216,12 @@ static enum scree_status scan_inside(struct scan *s, int depth, int close)
 
 static enum scree_status scan_value(struct scan *s, int depth)
 {
-    if (depth > JSON_DEPTH_MAX)
-        return refuse(s, "nested too deeply");
     skip_space(s);
     int c = peek(s);
+    if ((c == '{' || c == '[') && depth >= JSON_DEPTH_MAX)
+        return refuse(s, "nested too deeply");
+    if ((c == '{' || c == '[') && depth >= JSON_DEPTH_MAX)
+        return refuse(s, "nested too deeply");
     if (c == '{' || c == '[')
         return scan_inside(s, depth, c == '{' ? '}' : ']');
     if (c == '"')

@@ -119,11 +119,23 @@ static enum scree_status default_data(struct config *config, struct scree_error 
     return set_text(config->data, path, "data", err);
 }
 
+/* Clients are told these paths, and work in other directories. */
+static enum scree_status make_absolute(char *path, const char *name, struct scree_error *err)
+{
+    char here[CONFIG_PATH_MAX], whole[2 * CONFIG_PATH_MAX];
+    if (*path == '/')
+        return SCREE_OK;
+    if (!getcwd(here, sizeof here))
+        return scree_fail(err, SCREE_IO, name, "cannot tell the working directory: %s", strerror(errno));
+    snprintf(whole, sizeof whole, "%s/%s", here, path);
+    return set_text(path, whole, name, err);
+}
+
 /* Endpoints that were not named, and what is refused. */
 static enum scree_status finish(struct config *config, struct scree_error *err)
 {
     enum scree_status status;
-    if (!*config->data && (status = default_data(config, err)))
+    if ((!*config->data && (status = default_data(config, err))) || (status = make_absolute(config->data, "data", err)))
         return status;
     if (*config->listen) {
         if ((status = auth_check_endpoint(config->listen, err)))
@@ -138,7 +150,8 @@ static enum scree_status finish(struct config *config, struct scree_error *err)
         if (strlen(path) > 107)
             return scree_fail(err, SCREE_INVALID, "listen", "listen: the path has more than the 107 characters of a socket's");
     } else {
-        if (!*config->runtime && (status = protocol_runtime_dir(config->runtime, sizeof config->runtime, err)))
+        if ((!*config->runtime && (status = protocol_runtime_dir(config->runtime, sizeof config->runtime, err))) ||
+            (status = make_absolute(config->runtime, "runtime", err)))
             return status;
         if ((status = protocol_endpoint(config->runtime, "control", config->listen, sizeof config->listen, err)))
             return status;

@@ -45,7 +45,7 @@ static void *open_socket(struct control *c, int type, const char *endpoint, stru
 {
     void *socket = zmq_socket(c->context, type);
     int mandatory = 1, linger = 200, queue = 256;
-    int64_t largest = PROTOCOL_FRAME_MAX;
+    int64_t largest = 2 * PROTOCOL_FRAME_MAX; // up to here a frame is answered; beyond it the connection is closed
     if (!socket) {
         scree_fail(err, SCREE_IO, "", "no socket: %s", zmq_strerror(errno));
         return NULL;

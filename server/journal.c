@@ -26,7 +26,9 @@ static enum scree_status open_database(sqlite3 **db, const char *path, int flags
         return status;
     }
     sqlite3_busy_timeout(*db, 10000);
-    if (sqlite3_exec(*db, "PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL;", NULL, NULL, NULL) != SQLITE_OK ||
+    /* Only who makes the database turns write-ahead on: two connections that try it at once lock each other out. */
+    if ((schema && sqlite3_exec(*db, "PRAGMA journal_mode=WAL", NULL, NULL, NULL) != SQLITE_OK) ||
+        sqlite3_exec(*db, "PRAGMA synchronous=FULL", NULL, NULL, NULL) != SQLITE_OK ||
         (schema && sqlite3_exec(*db, schema, NULL, NULL, NULL) != SQLITE_OK)) {
         enum scree_status status = failed(*db, "preparing the database", err);
         sqlite3_close(*db);

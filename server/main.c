@@ -3,6 +3,7 @@
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/resource.h>
 
 #include "bench.h"
 #include "config.h"
@@ -39,6 +40,12 @@ int main(int argc, char **argv)
         else
             printf("screed %s\n", scree_build());
         return 0;
+    }
+    /* Every client, stream and result takes descriptors, and libzmq aborts when there are none. */
+    struct rlimit files;
+    if (getrlimit(RLIMIT_NOFILE, &files) == 0) {
+        files.rlim_cur = files.rlim_max;
+        setrlimit(RLIMIT_NOFILE, &files);
     }
     /* Blocked before any thread starts: signals are read from a descriptor by the control thread. */
     sigemptyset(&signals);

@@ -89,6 +89,16 @@ static enum scree_status find_job(struct daemon *daemon, const cJSON *body, stru
     return SCREE_NOT_FOUND;
 }
 
+/* A whole number of the body; `fallback` when it is not given. */
+static enum scree_status whole_number(const cJSON *body, const char *key, double fallback, double low, double high, double *out,
+                                      struct scree_error *err)
+{
+    *out = json_number(body, key, json_get(body, key) ? NAN : fallback);
+    if (*out >= low && *out <= high && *out == floor(*out))
+        return SCREE_OK;
+    return scree_fail(err, SCREE_INVALID, key, "%s: a whole number in %.0f..%.0f is expected", key, low, high);
+}
+
 /* ---- operations: each makes *result or fails ---- */
 
 static enum scree_status do_ping(struct daemon *daemon, const cJSON *body, const char *id, cJSON **result, struct scree_error *err)
@@ -166,7 +176,12 @@ static enum scree_status do_list(struct daemon *daemon, const cJSON *body, const
     (void)id;
     unsigned wanted = 0;
     const cJSON *word, *states = json_get(body, "states");
-    double limit = json_number(body, "limit", 1000);
+    double limit;
+    enum scree_status status = whole_number(body, "limit", 1000, 1, 1e6, &limit, err);
+    if (status)
+        return status;
+    if (states && !cJSON_IsArray(states))
+        return scree_fail(err, SCREE_INVALID, "states", "states: an array of states is expected");
     cJSON_ArrayForEach(word, states)
     {
         enum job_state state = cJSON_IsString(word) ? job_state_of(word->valuestring) : JOB_STATES;
@@ -175,8 +190,6 @@ static enum scree_status do_list(struct daemon *daemon, const cJSON *body, const
                               "states: queued, running, paused, done, failed, cancelled, held are known");
         wanted |= 1u << state;
     }
-    if (!(limit >= 1 && limit <= 1e6))
-        return scree_fail(err, SCREE_INVALID, "limit", "limit: %g is outside 1..1000000", limit);
     cJSON *jobs = cJSON_CreateArray();
     for (size_t k = scheduler_count(daemon->scheduler), taken = 0; k-- > 0 && taken < (size_t)limit;) {
         const struct job *job = scheduler_at(daemon->scheduler, k);
@@ -267,12 +280,11 @@ static enum scree_status do_fetch_part(struct daemon *daemon, const cJSON *body,
     (void)id;
     struct job *job;
     char path[CONFIG_PATH_MAX + 64];
-    double offset = json_number(body, "offset", -1), bytes = json_number(body, "bytes", PART_MAX);
+    double offset, bytes;
     enum scree_status status = find_job(daemon, body, &job, err);
-    if (status)
+    if (status || (status = whole_number(body, "offset", 0, 0, 9e15, &offset, err)) ||
+        (status = whole_number(body, "bytes", PART_MAX, 1, PART_MAX, &bytes, err)))
         return status;
-    if (!(offset >= 0 && offset < 9e15) || !(bytes >= 1 && bytes <= PART_MAX))
-        return scree_fail(err, SCREE_INVALID, "offset", "offset from 0 on and bytes in 1..%d are expected", PART_MAX);
     scheduler_result_path(daemon->scheduler, job, job_state_ended(job->state), path, sizeof path);
     int file = open(path, O_RDONLY | O_CLOEXEC);
     struct stat info;

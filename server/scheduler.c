@@ -16,7 +16,7 @@
  *   queued    cancel                         cancelled
  *   running   report: ended                  running    recording: the recorder makes result.h5
  *   running   recorder is through            done | failed | cancelled, by the report
- *   running   cancel                         running    order to the worker
+ *   running   cancel                         running    cancelled in the journal, order to the worker
  *
  * Invariants: what the journal says is written before anybody is told; a job has
  * a run exactly while it is running; an ended job never changes; `done` has its
@@ -310,8 +310,10 @@ void scheduler_close(struct scheduler *s)
         return;
     s->closing = true;
     for (size_t k = 0; k < s->count; k++)
-        if (s->jobs[k]->run)
-            atomic_store(&s->jobs[k]->run->order, RUN_STOP);
+        if (s->jobs[k]->run) {
+            int go = RUN_GO; // a cancelled one stays so
+            atomic_compare_exchange_strong(&s->jobs[k]->run->order, &go, RUN_STOP);
+        }
     workers_stop(s->workers);
     if (s->workers)
         scheduler_turn(s); // runs that had just ended are recorded
@@ -581,12 +583,17 @@ out:
 
 enum scree_status scheduler_cancel(struct scheduler *s, struct job *job, struct scree_error *err)
 {
-    (void)err;
     if (job->state == JOB_QUEUED)
         enter(s, job, JOB_CANCELLED);
-    else if (job->run)
+    if (!job->run)
+        return SCREE_OK;
+    /* The journal first: should the daemon end before the worker does, the job must not run again. */
+    job->state = JOB_CANCELLED;
+    enum scree_status status = write_job(s, job, err);
+    job->state = JOB_RUNNING;
+    if (!status)
         atomic_store(&job->run->order, RUN_CANCEL);
-    return SCREE_OK;
+    return status;
 }
 
 enum scree_status scheduler_fetch(struct scheduler *s, struct job *job, uint64_t ticket, struct scree_error *err)

@@ -1,12 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* See streams.h. A dead peer is found when the ROUTER, told to be mandatory, has
- * no route to it. A full queue of a slow peer makes its subscription wait. */
+ * no route to it: a subscription on which nothing was sent for a while is told
+ * "alive", or one whose reader went away unpaid would stay, with its open log, for
+ * ever. A full queue of a slow peer makes its subscription wait. */
 #include "streams.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <zmq.h>
 
 #include "base/memory.h"
@@ -22,13 +25,19 @@ struct subscription {
     char stream[CHUNK_NAME_MAX];
     uint64_t next;
     int64_t credit;
-    bool ready; // worth a look: credit came, or the log has grown
-    struct chunk_log *log;
+    bool fresh;                    // nothing was sent since the last grant: a chunk larger than it may go
+    bool ready;                    // worth a look: credit came, or the log has grown
+    double sent_s;                 // when something was sent last, by the monotonic clock
+    struct chunk_log *log;         // closed while nothing happens
     char columns[512], units[512]; // as the log describes the stream; "" before it does
 };
 
+#define ALIVE_SECONDS 10.0
+enum { LOGS_KEPT = 64 }; // with more subscriptions than that, each opens its log for its turn alone
+
 struct streams {
     void *socket;
+    double now_s; // monotonic, as of this turn
     struct scheduler *scheduler;
     struct subscription **all;
     size_t count, room;
@@ -132,7 +141,7 @@ static bool find_stream(struct streams *s, struct subscription *sub, const struc
     char path[CONFIG_PATH_MAX + 64];
     struct chunk_stream known[JOB_STREAMS_MAX];
     *unknown = false;
-    if (*sub->columns)
+    if (sub->log && *sub->columns)
         return true;
     scheduler_log_path(s->scheduler, job, path, sizeof path);
     if (!sub->log && chunk_log_open(&sub->log, path, false, NULL) != SCREE_OK) {
@@ -213,29 +222,58 @@ static enum turn serve(struct streams *s, struct subscription *sub)
             sub->ready = false;
             return TURN_IDLE;
         }
-        /* A chunk larger than the credit left waits for more, unless no grant can ever be enough. */
-        if ((int64_t)row.bytes > sub->credit && sub->credit < PROTOCOL_CREDIT_MAX && (int64_t)row.bytes <= PROTOCOL_CREDIT_MAX) {
+        /* A chunk larger than what is left waits for the next grant; one larger than any grant must still move. */
+        if ((int64_t)row.bytes > sub->credit && !sub->fresh) {
             sub->ready = false;
             return TURN_IDLE;
         }
         enum sent sent = send_chunk(s, sub, job, &row);
         if (sent != SENT)
             return sent == SENT_LATER ? TURN_MORE : TURN_OVER;
+        sub->sent_s = s->now_s;
         sub->credit -= (int64_t)row.bytes;
+        sub->fresh = false;
         sub->next++;
     }
     return TURN_MORE;
 }
 
+static void put_log_away(struct subscription *sub)
+{
+    chunk_log_close(sub->log);
+    sub->log = NULL;
+}
+
+/* After a silence, says that the daemon lives and puts the log away until it is
+ * needed; false when the reader is gone. */
+static bool still_there(struct streams *s, struct subscription *sub)
+{
+    if (s->now_s - sub->sent_s < ALIVE_SECONDS)
+        return true;
+    sub->sent_s = s->now_s;
+    put_log_away(sub);
+    return send_message(s, sub->peer, sub->peer_size, header_for("alive", sub->key), NULL, 0) != SENT_GONE;
+}
+
+static double monotonic(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
 bool streams_send(struct streams *s)
 {
     bool more = false;
+    s->now_s = monotonic();
     for (size_t k = 0; k < s->count;) {
         enum turn turn = s->all[k]->ready ? serve(s, s->all[k]) : TURN_IDLE;
-        if (turn == TURN_OVER) {
+        if (turn == TURN_OVER || (turn == TURN_IDLE && !still_there(s, s->all[k]))) {
             drop(s, k);
             continue;
         }
+        if (s->count > LOGS_KEPT)
+            put_log_away(s->all[k]);
         more |= turn == TURN_MORE;
         k++;
     }
@@ -273,7 +311,7 @@ static enum scree_status open_subscription(struct streams *s, const void *peer, 
                                            const cJSON *json, size_t of_peer, struct scree_error *err)
 {
     const char *id = json_text(json, "job"), *stream = json_text(json, "stream");
-    double from = json_number(json, "from", 0);
+    double from = json_number(json, "from", json_get(json, "from") ? -1 : 0);
     struct job *job = scheduler_find(s->scheduler, id);
     if (!job)
         return scree_fail(err, SCREE_NOT_FOUND, "job", "there is no job \"%.32s\"", id ? id : "");
@@ -294,6 +332,7 @@ static enum scree_status open_subscription(struct streams *s, const void *peer, 
     sub->job = job->number;
     sub->next = (uint64_t)from;
     sub->ready = true;
+    sub->sent_s = monotonic();
     s->all[s->count++] = sub;
     return SCREE_OK;
 }
@@ -328,6 +367,7 @@ static void handle(struct streams *s, const void *peer, size_t peer_size, const 
         else if (sub) { // a subscription that has ended needs no credit, and that is no error
             double total = (double)sub->credit + bytes;
             sub->credit = total > PROTOCOL_CREDIT_MAX ? PROTOCOL_CREDIT_MAX : (int64_t)total;
+            sub->fresh = true;
             sub->ready = true;
         }
     } else if (strcmp(op, "close") == 0) {

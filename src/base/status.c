@@ -1,9 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Errors as values: see status.h. */
+/* Errors as values: see status.h.
+ *
+ * Messages quote what came from outside, and end up on terminals, in logs and in
+ * JSON. They are cleaned here, once, rather than by each caller. */
 #include "base/status.h"
 
 #include <stdarg.h>
 #include <stdio.h>
+
+#include "base/text.h"
 
 enum scree_status scree_fail(struct scree_error *err, enum scree_status status, const char *path, const char *format, ...)
 {
@@ -15,6 +20,8 @@ enum scree_status scree_fail(struct scree_error *err, enum scree_status status, 
     va_start(arguments, format);
     vsnprintf(err->message, sizeof err->message, format, arguments);
     va_end(arguments);
+    text_clean(err->path);
+    text_clean(err->message);
     err->hint[0] = 0;
     return status;
 }
@@ -27,6 +34,7 @@ void scree_hint(struct scree_error *err, const char *format, ...)
     va_start(arguments, format);
     vsnprintf(err->hint, sizeof err->hint, format, arguments);
     va_end(arguments);
+    text_clean(err->hint);
 }
 
 const char *scree_status_word(enum scree_status status)

@@ -31,7 +31,8 @@ struct scree_error {
 };
 
 /* Fills *err (if not NULL) and returns `status`, so that a failing function can
- * end with `return scree_fail(...)`. `path` may be NULL. Clears the hint. */
+ * end with `return scree_fail(...)`. `path` may be NULL. Clears the hint. What is
+ * kept is valid UTF-8 without control characters, whatever was quoted. */
 enum scree_status scree_fail(struct scree_error *err, enum scree_status status, const char *path, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 

@@ -17,6 +17,9 @@
 
 struct dem;
 
+/* Rows are sorted anew every so many steps, which takes memory for a moment; other steps take none once warm. */
+enum { DEM_REORDER_STEPS = 1 << 14 };
+
 struct dem_grain {
     double position[3], velocity[3], spin[3]; // m, m/s, rad/s, at t = 0
     double radius, density;                   // m, kg/m3

@@ -226,7 +226,7 @@ enum scree_status order_housekeeping(struct dem *dem, struct scree_error *err)
     enum scree_status status = look_for_blow_up(dem, err);
     if (!status && wrap_due(dem))
         status = wrap(dem, err);
-    if (!status && dem->step % DEM_REORDER == 0)
+    if (!status && dem->step % DEM_REORDER_STEPS == 0)
         status = order_rows(dem, err);
     return status;
 }

@@ -138,7 +138,7 @@ struct dem {
 };
 
 /* Steps between two looks at what needs no step-by-step care: blow-up, wrapping, order in memory. */
-enum { DEM_HOUSEKEEPING = 64, DEM_REORDER = 1 << 14 };
+enum { DEM_HOUSEKEEPING = 64 };
 
 /* near.c. Called by every member after the drift of a step, behind a barrier:
  * whether the lists still hold every pair that touches. */

@@ -2,6 +2,7 @@
 /* Scenario `collision` as the user sees it. */
 #include <math.h>
 
+#include "base/text.h"
 #include "spec/scenarios.h"
 
 #define AT(member) .offset = offsetof(struct collision_params, member)
@@ -118,13 +119,15 @@ static struct job_cost collision_cost(const struct job_spec *job)
 static enum scree_status collision_check(const struct job_spec *job, struct scree_error *err)
 {
     const struct collision_params *p = params_of(job);
+    char text[TEXT_REAL_MAX];
     if (p->tangential_m_s[2] != 0)
-        return scree_fail(err, SCREE_INVALID, "params.tangential_m_s",
-                          "params.tangential_m_s[2]: %g is not 0: z is the normal, whose velocity is speed_m_s",
-                          p->tangential_m_s[2]);
+        return scree_fail(err, SCREE_INVALID, "params.tangential_m_s[2]",
+                          "params.tangential_m_s[2]: %s m/s is not 0: z is the normal, and the velocity along it is speed_m_s",
+                          text_real(p->tangential_m_s[2], text));
     struct job_spec as = *job; // the contact's own time scale: of the smaller grain
-    double r1 = p->radius1_m > 0 ? p->radius1_m : job->material.radius_m, r2 = p->radius2_m > 0 ? p->radius2_m : r1;
-    as.material.radius_m = r1 < r2 ? r1 : r2;
+    double r1 = p->radius1_m > 0 ? p->radius1_m : job->material.radius_m;
+    double r2 = p->radius2_m > 0 ? p->radius2_m : job->material.radius_m;
+    as.material.radius_m = p->partner == PARTNER_PLANE || r1 < r2 ? r1 : r2;
     enum scree_status status = check_step(&as, p->speed_m_s, err);
     return status ? status : check_intervals(job, err);
 }

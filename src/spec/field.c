@@ -135,13 +135,23 @@ static void join(char out[SCREE_PATH_MAX], const char *path, const char *name)
 static enum scree_status outside(const struct field *row, const char *path, double value, struct scree_error *err)
 {
     char v[TEXT_REAL_MAX], low[TEXT_REAL_MAX], high[TEXT_REAL_MAX];
-    return scree_fail(err, SCREE_INVALID, path, "%s: %s is outside %s..%s%s%s", path, text_real(value, v), text_real(row->min, low),
-                      text_real(row->max, high), *row->unit ? " " : "", row->unit);
+    scree_fail(err, SCREE_INVALID, path, "%s: %s is outside %s..%s%s%s", path, text_real(value, v), text_real(row->min, low),
+               text_real(row->max, high), *row->unit ? " " : "", row->unit);
+    scree_hint(err, "%s: %s", row->name, row->doc);
+    return SCREE_INVALID;
 }
 
 static enum scree_status check_number(const struct field *row, const char *path, double value, struct scree_error *err)
 {
     return value >= row->min && value <= row->max ? SCREE_OK : outside(row, path, value, err);
+}
+
+static size_t count_words(const char *const *words)
+{
+    size_t count = 0;
+    while (words[count])
+        count++;
+    return count;
 }
 
 static enum scree_status check_row(const struct field *row, const void *value, const char *path, struct scree_error *err)
@@ -153,16 +163,25 @@ static enum scree_status check_row(const struct field *row, const void *value, c
     case FIELD_INT:
         return check_number(row, path, (double)*(const int64_t *)value, err);
     case FIELD_VEC3:
-        for (int a = 0; a < 3 && !status; a++)
-            status = check_number(row, path, ((const double *)value)[a], err);
+        for (int a = 0; a < 3 && !status; a++) {
+            char part[SCREE_PATH_MAX];
+            snprintf(part, sizeof part, "%s[%d]", path, a);
+            status = check_number(row, part, ((const double *)value)[a], err);
+        }
         return status;
     case FIELD_GROUP:
     case FIELD_SWITCH:
         return field_check(row->table, value, path, err);
+    case FIELD_ENUM:
+        if (*(const int *)value < 0 || (size_t) * (const int *)value >= count_words(row->choices))
+            return scree_fail(err, SCREE_INVALID, path, "%s: there is no choice number %d", path, *(const int *)value);
+        break;
+    case FIELD_FLAGS:
+        if (*(const unsigned *)value >> count_words(row->choices))
+            return scree_fail(err, SCREE_INVALID, path, "%s: there is no choice for the bits %#x", path, *(const unsigned *)value);
+        break;
     case FIELD_BOOL:
     case FIELD_TEXT:
-    case FIELD_ENUM:
-    case FIELD_FLAGS:
         break;
     }
     return SCREE_OK;

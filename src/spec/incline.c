@@ -34,7 +34,7 @@ static const struct field fields[] = {
      .max = 4000,
      .preset = 10,
      .unit = "grain diameters",
-     .doc = "downslope length of the periodic domain",
+     .doc = "downslope length of the periodic domain: at least two grains, or a grain would touch itself",
      .source = "seed 000 S8"},
     {.name = "ny",
      .type = FIELD_INT,
@@ -43,7 +43,7 @@ static const struct field fields[] = {
      .max = 4000,
      .preset = 10,
      .unit = "grain diameters",
-     .doc = "cross-slope length of the periodic domain",
+     .doc = "cross-slope length of the periodic domain: at least two grains, or a grain would touch itself",
      .source = "seed 000 S8"},
     {.name = "nz",
      .type = FIELD_INT,
@@ -94,7 +94,9 @@ static enum scree_status incline_check(const struct job_spec *job, struct scree_
                           "record.contact: is for scenario collision, where there is one contact");
     /* Impacts of the filling's fall: a few grains' height, and never below 1 m/s. */
     double speed = fmax(1.0, sqrt(2 * p->gravity_m_s2 * 20 * job->material.radius_m));
-    enum scree_status status = check_step(job, speed, err);
+    struct job_spec as = *job; // contacts last shortest between the smallest grains
+    as.material.radius_m *= 1 - job->material.radius_spread;
+    enum scree_status status = check_step(&as, speed, err);
     return status ? status : check_intervals(job, err);
 }
 

@@ -183,20 +183,31 @@ double material_contact_time(const struct material_spec *m, double speed)
     return duration * 2 * m->radius_m * pow(soft * soft / (16 * speed), 0.2); // eq. 42, 16 in place of 4: both spheres free
 }
 
-/* Velocity Verlet is stable for w dt < 2 with w^2 = K / M of the stiffest mode. At
- * the largest overlap of an impact at speed v, x_max = 1.0934 v tau, the tangent
- * of Hertz's law is k = (3/2) F / x = (3/2) m/2 (v / x_max)^2 (5/4) (energy:
- * (2/5) F x = m v^2 / 4). A grain among others has about six contacts, of which
- * two line up with any direction, and slides against springs k_t / k =
- * 2 (1 - nu) / (2 - nu) < 1 that act on its spin with 1 + m r^2 / I = 3.5:
- * w^2 < 2 * 3.5 k / m. Explicit damping takes its share while beta w < 1; a factor
- * two is kept in hand. With k / m = (15/16) (v / x_max)^2 and t_c = T0 tau:
- * dt < 2 / (2 w) = x_max / v / sqrt(6.6) = (1.0934 / 3.218 / 2.56) t_c = 0.13 t_c,
- * that is, no fewer than seven or eight steps a contact. */
+/* Velocity Verlet is stable while w dt < 2, with w the fastest motion of a contact.
+ *
+ * Stiffness. In an impact of two like grains (mass m) at speed v the overlap
+ * reaches x: (2/5) F x = m v^2 / 4, so Hertz's tangent there is
+ * k = (3/2) F / x = (15/16) m (v / x)^2, and x / v = 1.0934 t_c / T0.
+ * Sliding is faster than the normal motion (w^2 = 2 k / m), for its spring
+ * k_t = k 2 (1 - nu) / (2 - nu) turns the grains as well as it shifts them:
+ * w^2 = k_t (2 / m) (1 + m r^2 / I) = 7 k_t / m.
+ *
+ * Damping. A viscous force beta k v' taken at the half step is a lagged one and
+ * shortens the limit to dt = (2 / w) (sqrt(1 + s^2) - s) with s = beta w / 2; for
+ * strong damping that is 2 / (beta w^2).
+ *
+ * Neighbours. Six equal contacts raise w^2 at most sixfold (no eigenvalue is above
+ * twice a grain's own stiffness), but many contacts at once carry everyday
+ * impacts of 0.1 m/s where the assumed v is 1 m/s, and w goes with v^(1/5):
+ * sqrt(6) 0.1^(1/5) = 1.5, which is the margin kept.
+ *
+ * Torsion is softer by (a / r)^2. Rolling is capped by mu_r, so that no step can
+ * make it grow. */
 double material_stable_step(const struct material_spec *m, double speed)
 {
-    double bound = 0.13 * material_contact_time(m, speed);
-    /* Damping alone: force beta k x' is stable while beta w^2 dt < 2; w here as above. */
-    double w = 1 / bound, damped = 1 / (m->beta_s * w * w + 1e-300);
-    return bound < damped ? bound : damped;
+    const double duration = 3.218065, depth = 1.0934, margin = 1.5; // T0; largest overlap over v tau
+    double overlap_s = depth / duration * material_contact_time(m, speed);
+    double sliding = 2 * (1 - m->poisson) / (2 - m->poisson);
+    double w = sqrt(7 * sliding * 15 / 16) / overlap_s, s = 0.5 * m->beta_s * w;
+    return 2 / w / (sqrt(1 + s * s) + s) / margin; // 1 / (sqrt + s) is sqrt - s without cancellation
 }

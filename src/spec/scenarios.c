@@ -24,11 +24,18 @@ enum scree_status check_step(const struct job_spec *job, double speed, struct sc
     char step[TEXT_REAL_MAX];
     if (job->time.step_s <= stable)
         return SCREE_OK;
-    scree_fail(
-        err, SCREE_INVALID, "time.step_s",
-        "time.step_s: %s s is above the largest stable step, %.3g s: a contact at %.3g m/s between these grains lasts %.3g s and "
-        "takes at least 8 steps",
-        text_real(job->time.step_s, step), stable, speed, material_contact_time(&job->material, speed));
+    double contact = material_contact_time(&job->material, speed);
+    if (stable < 0.1 * contact) // stiffness alone asks for about six steps a contact
+        scree_fail(err, SCREE_INVALID, "time.step_s",
+                   "time.step_s: %s s is above the largest stable step %.3g s for this material, whose damping beta_s = %.3g s is "
+                   "stronger than its springs",
+                   text_real(job->time.step_s, step), stable, job->material.beta_s);
+    else
+        scree_fail(
+            err, SCREE_INVALID, "time.step_s",
+            "time.step_s: %s s is above the largest stable step %.3g s for this material: a contact at %.3g m/s lasts %.3g s "
+            "and its stiffest motion needs %.0f steps of it",
+            text_real(job->time.step_s, step), stable, speed, contact, ceil(contact / stable));
     scree_hint(err, "shorten time.step_s, or soften material.young_Pa: the step grows as its power -2/5");
     return SCREE_INVALID;
 }

@@ -43,8 +43,9 @@ double material_grain_mass(const struct material_spec *m);       // of the media
 /* Duration of an elastic head-on impact of two free median grains at relative
  * speed v: T0 tau (eq. 42 with both spheres free, targets S0-06), s. */
 double material_contact_time(const struct material_spec *m, double speed);
-/* The largest time step at which the stiffest motion of a contact is still
- * integrated stably, s: see material.c for the bound and its derivation. */
+/* The largest time step at which the stiffest motion of a contact of median
+ * grains that meet at `speed` is still integrated stably, s: see material.c for
+ * the bound and its derivation. */
 double material_stable_step(const struct material_spec *m, double speed);
 
 /* ---- time, stop, record ---- */

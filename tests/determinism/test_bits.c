@@ -163,8 +163,8 @@ static void the_hash_tells_worlds_apart(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(threads_do_not_show),      cmocka_unit_test(instruction_sets_do_not_show),
-        cmocka_unit_test(slices_do_not_show),       cmocka_unit_test(records_do_not_show),
+        cmocka_unit_test(threads_do_not_show),         cmocka_unit_test(instruction_sets_do_not_show),
+        cmocka_unit_test(slices_do_not_show),          cmocka_unit_test(records_do_not_show),
         cmocka_unit_test(the_hash_tells_worlds_apart), cmocka_unit_test(bits_are_those_of_the_golden_hashes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

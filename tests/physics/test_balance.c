@@ -87,7 +87,7 @@ static void base_force_balances_momentum_at_every_step(void **state)
     }
     assert_true(fabs(sum[2]) > 0 && largest > 0);
     assert_true(worst < 1e-13 * largest); // 1,000 terms of rounding at most
-    dem_take_base_force(dem, taken); // what is recorded is the mean over the same steps
+    dem_take_base_force(dem, taken);      // what is recorded is the mean over the same steps
     for (int a = 0; a < 3; a++)
         assert_true(fabs(taken[a] - sum[a] / 2000) < 1e-12 * fabs(sum[2] / 2000));
     dem_free(dem);
@@ -97,8 +97,9 @@ static void base_force_balances_momentum_at_every_step(void **state)
 static void colliding_pair_keeps_momentum_and_angular_momentum(void **state)
 {
     (void)state;
-    struct dem_grain grains[2] = {{.position = {0, 0, 1e-3}, .velocity = {0.2, -0.1, -0.3}, .spin = {120, -300, 55}, .radius = 1e-3},
-                                  {.position = {0, 0, -1.3e-3}, .velocity = {0.01, 0.02, 0.05}, .spin = {-40, 10, 90}, .radius = 1.3e-3}};
+    struct dem_grain grains[2] = {
+        {.position = {0, 0, 1e-3}, .velocity = {0.2, -0.1, -0.3}, .spin = {120, -300, 55}, .radius = 1e-3},
+        {.position = {0, 0, -1.3e-3}, .velocity = {0.01, 0.02, 0.05}, .spin = {-40, 10, 90}, .radius = 1.3e-3}};
     grains[0].density = grains[1].density = 2530;
     struct dem_setup setup = {.step_s = 2.5e-7,
                               .grains = grains,

@@ -186,8 +186,8 @@ static double drift_of_tumbling_spring(double angle_per_step, int steps, double 
     struct vec3 x = {d, 0, 0};
     for (int k = 0; k < steps; k++) {
         double c = cos(angle_per_step), s = sin(angle_per_step);
-        struct vec3 turned = vec3_add(vec3_add(vec3_scale(x, c), vec3_scale(vec3_cross(axis, x), s)),
-                                      vec3_scale(axis, vec3_dot(axis, x) * (1 - c)));
+        struct vec3 turned =
+            vec3_add(vec3_add(vec3_scale(x, c), vec3_scale(vec3_cross(axis, x), s)), vec3_scale(axis, vec3_dot(axis, x) * (1 - c)));
         struct vec3 v = vec3_scale(vec3_sub(turned, x), 1 / step);
         x = turned;
         vec3_store(p.velocity[1], v);

@@ -10,14 +10,14 @@ import tempfile
 import time
 import unittest
 
-from raw import BIN, Daemon, Refused
+from raw import BIN, Control, Daemon, Refused
 
 SCREED = os.path.join(BIN, "screed")
-# About a second of work: long enough to be stopped in the middle of.
+# Long enough to be stopped in the middle of.
 FLOW = {
     "scenario": "incline",
     "params": {"nx": 4, "ny": 4, "nz": 4},
-    "time": {"end_s": 0.2},
+    "time": {"end_s": 0.4},
     "stop": {"when": []},
     "record": {"basal_force": {"every_s": 2.5e-5, "chunk": 100}, "snapshots": {"every_s": 0.02}},
 }
@@ -187,7 +187,7 @@ class DaemonLife(unittest.TestCase):
             self.assertEqual(daemon.control.wait(job)["state"], "done")
             undisturbed = self.read(daemon, job)
             daemon.stop()
-        self.assertEqual(len(undisturbed["basal_force"]), 80)
+        self.assertEqual(len(undisturbed["basal_force"]), 160)
         for name, chunks in undisturbed.items():
             self.assertEqual(self.bare(interrupted[name]), self.bare(chunks), name)
         # What a reader saw before the interruption still stands under its number.
@@ -232,6 +232,31 @@ class DaemonLife(unittest.TestCase):
         daemon = self.start()
         second = daemon.control.submit(COLLISION | {"seed": 2}, again=True)
         self.assertGreater(int(second[1:]), int(first[1:]))
+
+    def test_cancelled_job_does_not_run_again(self):
+        # Cancel was answered; that the daemon ends at once after it changes nothing.
+        for number in (signal.SIGTERM, signal.SIGKILL):
+            daemon = self.start()
+            job = daemon.control.submit({**FLOW, "time": {"end_s": 1000}, "seed": int(number)})
+            daemon.control.wait(job, states=("running",))
+            daemon.control.ask("cancel", {"job": job})
+            daemon.stop(number)
+            daemon = self.start()
+            self.assertEqual(daemon.control.ask("show", {"job": job})["state"], "cancelled")
+            daemon.stop()
+
+    def test_paths_are_told_so_that_any_client_finds_them(self):
+        process = subprocess.Popen([SCREED, "--data", "data", "--runtime", "run"], cwd=self.folder, stdin=subprocess.DEVNULL,
+                                   stderr=subprocess.DEVNULL)
+        self.addCleanup(process.wait)
+        self.addCleanup(process.kill)
+        control = Control("ipc://" + self.path("run/control"))
+        self.addCleanup(control.close)
+        about = control.ask("ping")
+        self.assertEqual(about["data_dir"], self.path("data"))
+        self.assertEqual(about["stream_endpoint"], "ipc://" + self.path("run/stream"))
+        record = control.wait(control.submit(COLLISION))
+        self.assertTrue(os.path.isabs(record["result"]) and os.path.exists(record["result"]), record["result"])
 
     def test_result_of_a_cancelled_job_is_kept(self):
         daemon = self.start()

@@ -3,6 +3,7 @@
 submits, reads streams with credit, and compares them with result.h5."""
 import base64
 import json
+import os
 import random
 import time
 import unittest
@@ -404,6 +405,30 @@ class RawClient(unittest.TestCase):
         self.assertEqual(self.control.wait(job)["state"], "done")
         chunks, _ = self.streams.read_all("after", job, "basal_force")
         self.assertEqual(len(chunks), 24)
+
+    def test_vanished_readers_hold_nothing(self):
+        # Readers that open, pay nothing and go: neither descriptors nor places may stay taken.
+        def descriptors():
+            return len(os.listdir(f"/proc/{self.daemon.process.pid}/fd"))
+
+        patient = self.daemon.streams()
+        self.addCleanup(patient.close)
+        patient.open("patient", self.job, "basal_force")
+        before = descriptors()
+        for _ in range(20):
+            reader = self.daemon.streams()
+            for key in range(10):
+                reader.open(f"k{key}", self.job, "basal_force")
+            reader.socket.close(linger=1000)
+        end = time.monotonic() + 40
+        while descriptors() > before and time.monotonic() < end:
+            time.sleep(0.2)
+        self.assertLessEqual(descriptors(), before)
+        # One that only waits is told that the daemon lives, and is served when it pays.
+        header, _ = patient.message()
+        self.assertEqual((header["op"], header["key"]), ("alive", "patient"))
+        patient.credit("patient", CHUNK_BYTES)
+        self.assertEqual(patient.message()[0]["seq"], 0)
 
     # ---- events and results ----
 

@@ -153,6 +153,8 @@ class Streams:
                 raise Refused(header["error"])
             if header["op"] == "end":
                 return chunks, header
+            if header["op"] != "chunk":
+                continue
             chunks.append(got)
             unpaid += len(payload)
             if unpaid:

@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* `scree check`: what a spec comes to, without running it and without a daemon. */
+#include <stdio.h>
+
+#include "output.h"
+#include "spec_file.h"
+#include "verbs.h"
+
+/* What the estimate of time assumes: a flow of some thousand grains on one core. The daemon's `check` assumes the same. */
+#define ASSUMED_RATE 1e8 // grain-steps per second
+
+static void print_cost(const struct job_cost *cost)
+{
+    char moving[TEXT_MAX], fixed[TEXT_MAX], steps[TEXT_MAX], time[TEXT_MAX], rate[TEXT_MAX], bytes[TEXT_MAX];
+    fflush(stdout);
+    say("%s moving and %s fixed grains, %s steps: %.3g grain-steps", text_count(cost->moving, moving),
+        text_count(cost->fixed, fixed), text_count(cost->steps, steps), cost->moving * cost->steps);
+    say("at most about %s at an assumed %s, %s of memory", text_duration(cost->moving * cost->steps / ASSUMED_RATE, time),
+        text_rate(ASSUMED_RATE, rate), text_bytes(cost->bytes, bytes));
+}
+
+static cJSON *cost_json(const struct job_cost *cost)
+{
+    cJSON *json = cJSON_CreateObject();
+    if (json) {
+        json_put_real(json, "moving", cost->moving);
+        json_put_real(json, "fixed", cost->fixed);
+        json_put_real(json, "steps", cost->steps);
+        json_put_real(json, "grain_steps", cost->moving * cost->steps);
+        json_put_real(json, "bytes", cost->bytes);
+        json_put_real(json, "seconds", cost->moving * cost->steps / ASSUMED_RATE);
+        json_put_real(json, "assumed_grain_steps_per_s", ASSUMED_RATE);
+    }
+    return json;
+}
+
+static enum outcome check_run(const struct arguments *arguments)
+{
+    struct scree_error err = {.status = SCREE_OK};
+    struct spec_file spec;
+    enum outcome outcome = spec_file_read(arguments->words[0], arguments, memory_available(), &spec, &err);
+    if (!outcome) {
+        struct job_cost cost = spec.job.scenario->cost(&spec.job);
+        cJSON *resolved = job_encode(&spec.job), *line = arguments->json ? cJSON_CreateObject() : NULL;
+        if (line) {
+            json_put(line, "spec", resolved);
+            json_put(line, "cost", cost_json(&cost));
+            put_json_line(line);
+            cJSON_Delete(line);
+        } else if (resolved) {
+            put_json_pretty(resolved);
+            cJSON_Delete(resolved);
+            print_cost(&cost);
+        }
+    }
+    spec_file_free(&spec);
+    return give_up(outcome, &err);
+}
+
+static const char *const options[] = {"--set=*", NULL};
+
+const struct verb verb_check = {
+    .name = "check",
+    .synopsis = "FILE [--set path=value]...",
+    .doc = "validate a spec, print it with every value spelled out and what it costs",
+    .help = "FILE is a job's JSON, \"-\" is stdin. Needs no daemon. The resolved spec goes to stdout and can be run as\n"
+            "it is; the estimate of cost goes to stderr, with --json into the same object. The time is an upper bound\n"
+            "at a stated rate: a job may stop earlier, when it has its verdict.\n"
+            "\n"
+            "  scree check job.json\n"
+            "  scree check job.json --set params.nz=40 --json\n",
+    .options = options,
+    .words_min = 1,
+    .words_max = 1,
+    .run = check_run,
+};
