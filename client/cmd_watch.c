@@ -30,7 +30,6 @@ static enum outcome watch_run(const struct arguments *arguments)
     }
     if (!record)
         return give_up(outcome, &err);
-    /* put_json_line leaves texts as they were. */
     outcome = outcome_of_state(json_text(record, "state"));
     if (outcome == OUTCOME_FAILED)
         say("%s failed: %s", job, *summary_error(record) ? summary_error(record) : "the daemon does not say why");

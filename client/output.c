@@ -99,26 +99,8 @@ void say_error(const struct scree_error *err)
         say("%s", err->hint);
 }
 
-void exact_numbers(cJSON *tree)
+static void put_json(const cJSON *tree, bool pretty)
 {
-    for (cJSON *item = tree; item; item = item->next) {
-        if (cJSON_IsNumber(item)) {
-            cJSON *exact = json_real(item->valuedouble);
-            if (exact && exact->valuestring) {
-                item->type = (item->type & ~0xff) | cJSON_Raw;
-                item->valuestring = exact->valuestring;
-                exact->valuestring = NULL;
-            }
-            cJSON_Delete(exact);
-        }
-        if (item->child)
-            exact_numbers(item->child);
-    }
-}
-
-static void put_json(cJSON *tree, bool pretty)
-{
-    exact_numbers(tree);
     char *text = json_print(tree, pretty);
     if (!text) {
         say("no memory to print the answer");
@@ -129,13 +111,13 @@ static void put_json(cJSON *tree, bool pretty)
     free(text);
 }
 
-void put_json_line(cJSON *tree)
+void put_json_line(const cJSON *tree)
 {
     put_json(tree, false);
     fflush(stdout); // whoever reads lines wants them now
 }
 
-void put_json_pretty(cJSON *tree)
+void put_json_pretty(const cJSON *tree)
 {
     put_json(tree, true);
 }

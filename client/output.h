@@ -32,14 +32,10 @@ void say_error(const struct scree_error *err);
 
 /* Writes text without its control characters. */
 void put_clean(FILE *file, const char *text);
-/* Makes every number of a tree that was read print as the text that reads back to
- * the same bits: cJSON's own printing rounds. They are no longer numbers to
- * cJSON afterwards, so this comes last. */
-void exact_numbers(cJSON *tree);
-/* One JSON value on one line of stdout; numbers as exact_numbers leaves them. */
-void put_json_line(cJSON *tree);
+/* One JSON value on one line of stdout. */
+void put_json_line(const cJSON *tree);
 /* The same indented. */
-void put_json_pretty(cJSON *tree);
+void put_json_pretty(const cJSON *tree);
 
 /* Width of the terminal behind stderr, in columns. */
 int output_width(void);

@@ -32,6 +32,7 @@ static void set_handler(int signal_number, void (*handler)(int))
 void signals_start(void)
 {
     set_handler(SIGPIPE, SIG_IGN);
+    set_handler(SIGXFSZ, SIG_IGN);
 }
 
 void signals_catch(void)
@@ -63,6 +64,7 @@ void signals_reset(void)
     for (int k = 0; k < 3; k++)
         set_handler(interrupts[k], SIG_DFL);
     set_handler(SIGPIPE, SIG_DFL);
+    set_handler(SIGXFSZ, SIG_DFL);
     sigemptyset(&none);
     sigprocmask(SIG_SETMASK, &none, NULL);
 }

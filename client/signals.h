@@ -10,7 +10,7 @@
 
 enum { WAIT_SLICE_MS = 100 };
 
-/* SIGPIPE is ignored from here on: a write says EPIPE. */
+/* SIGPIPE and SIGXFSZ are ignored from here on: a write says EPIPE or EFBIG. */
 void signals_start(void);
 
 /* From now on interrupts are counted. The third ends the process at once. */

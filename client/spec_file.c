@@ -5,8 +5,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "output.h"
-
 /* Puts the file's name before a message, unless the message has it already. */
 static enum outcome blame(const char *name, enum scree_status status, struct scree_error *err)
 {
@@ -33,10 +31,7 @@ enum outcome spec_file_read(const char *path, const struct arguments *arguments,
     }
     if (!status && !(status = job_decode(out->json, &out->job, err)))
         status = job_check(&out->job, memory_limit, err);
-    if (status)
-        return blame(out->name, status, err);
-    exact_numbers(out->json);
-    return OUTCOME_DONE;
+    return status ? blame(out->name, status, err) : OUTCOME_DONE;
 }
 
 void spec_file_free(struct spec_file *file)

@@ -395,6 +395,8 @@ cJSON *table_describe(const struct field_table *table)
                 cJSON_AddItemToArray(choices, cJSON_CreateString(row->choices[c]));
             json_put(item, "choices", choices);
         }
+        if (row->type == FIELD_TEXT)
+            json_put_int(item, "max_bytes", (long long)row->size - 1);
         json_put_text(item, "unit", row->unit);
         json_put_text(item, "doc", row->doc);
         json_put_text(item, "source", row->source);

@@ -2,7 +2,8 @@
 /* A strict grammar check in front of cJSON, and numbers that survive it.
  *
  * The checker walks the text once by RFC 8259 and builds nothing. Duplicate keys
- * are looked for in the tree that cJSON builds then, where escapes are resolved. */
+ * are looked for in the tree that cJSON builds then, where escapes are resolved.
+ * Printing goes through a copy whose numbers are text already. */
 #include "protocol/json.h"
 
 #include <ctype.h>
@@ -227,7 +228,8 @@ static enum scree_status scan_value(struct scan *s, int depth)
     if (c == '"')
         return scan_string(s);
     if (c == '-' && s->end - s->at > 1 && !isdigit(s->at[1]))
-        return refuse(s, "a digit is missing in a number");
+        return refuse(s, strchr("INin", s->at[1]) && s->at[1] ? "NaN and Infinity are not numbers in JSON"
+                                                              : "a digit is missing in a number");
     if (c == '-' || isdigit(c))
         return scan_number(s);
     return scan_word(s);
@@ -392,7 +394,32 @@ bool json_bool(const cJSON *object, const char *key, bool fallback)
     return cJSON_IsBool(item) ? cJSON_IsTrue(item) : fallback;
 }
 
+/* cJSON prints the numbers of a tree that was read with 15 digits if 15 are nearly
+ * enough; here every number becomes the text that reads back to its bits. */
+static bool make_exact(cJSON *item)
+{
+    for (; item; item = item->next) {
+        if (cJSON_IsNumber(item)) {
+            cJSON *exact = json_real(item->valuedouble);
+            if (!exact)
+                return false;
+            item->type = (item->type & ~0xff) | cJSON_Raw; // flags about the key stay
+            item->valuestring = exact->valuestring;
+            exact->valuestring = NULL; // its owner has changed
+            cJSON_Delete(exact);
+        } else if (item->child && !make_exact(item->child)) {
+            return false;
+        }
+    }
+    return true;
+}
+
 char *json_print(const cJSON *tree, bool pretty)
 {
-    return pretty ? cJSON_Print(tree) : cJSON_PrintUnformatted(tree);
+    cJSON *copy = cJSON_Duplicate(tree, true);
+    char *text = NULL;
+    if (copy && make_exact(copy))
+        text = pretty ? cJSON_Print(copy) : cJSON_PrintUnformatted(copy);
+    cJSON_Delete(copy);
+    return text;
 }

@@ -42,7 +42,8 @@ const char *json_text(const cJSON *object, const char *key);
 double json_number(const cJSON *object, const char *key, double fallback);
 bool json_bool(const cJSON *object, const char *key, bool fallback);
 
-/* The tree as text, on one line or indented; freed with free(). NULL on lack of memory. */
+/* The tree as text, on one line or indented; freed with free(). Every number reads
+ * back to the same bits, those of a tree from json_read too. NULL on lack of memory. */
 char *json_print(const cJSON *tree, bool pretty);
 
 #endif

@@ -88,10 +88,12 @@ static size_t distance(const char *a, const char *b)
     return row[m];
 }
 
-/* How far a word may be from what was meant. */
+/* How far a word may be from what was meant; something of it must be left. */
 static size_t tolerance(const char *word)
 {
-    size_t third = strlen(word) / 3;
+    size_t length = strlen(word), third = length / 3;
+    if (length <= 2)
+        return length ? length - 1 : 0;
     return third < 2 ? 2 : third;
 }
 

@@ -59,7 +59,8 @@ void field_defaults(const struct field_table *table, void *object);
 const struct field *field_find(const struct field_table *table, const char *name);
 
 /* The known name nearest to `name` by edit distance, or NULL when none is near
- * enough to be meant (distance above a third of its length, at least 2). */
+ * enough to be meant (distance above a third of its length, at least 2, and
+ * below the length: "ab" is no "nx"). */
 const char *field_nearest(const struct field_table *table, const char *name);
 
 /* The same over a NULL-terminated list of words. */

@@ -7,6 +7,7 @@ import json
 import os
 import pty
 import re
+import resource
 import select
 import shutil
 import signal
@@ -325,6 +326,7 @@ class PrivateRun(Client):
     def test_place_of_the_result_is_tried_before_the_run(self):
         name = self.spec(LONG)
         self.refused(self.scree("run", name, "-o", "/proc/scree/out"), "/proc/scree")
+        self.refused(self.scree("run", name, "-o", "/proc/scree.h5"), "/proc")  # a folder that is there, and takes no file
         self.refused(self.scree("run", name, "-o", name), name, "Not a directory")
         os.mkdir(os.path.join(self.work, "folder.h5"))
         self.refused(self.scree("run", name, "-o", "folder.h5"), "folder.h5", "no file")
@@ -503,6 +505,10 @@ class WithDaemon(Client):
         self.assertEqual(third.returncode, 0)
         self.assertEqual(len(self.daemon.control.ask("list")["jobs"]), 2)
 
+    def test_run_submits_nothing_when_the_result_has_no_place(self):
+        self.refused(self.scree("run", self.spec(COLLISION), "-o", "/proc/scree.h5"), "/proc")
+        self.assertEqual(self.daemon.control.ask("list")["jobs"], [])
+
     def test_list_is_one_object_a_line(self):
         jobs = [self.submit(COLLISION, "--again") for _ in range(3)]
         self.scree("wait", *jobs)
@@ -571,6 +577,21 @@ class WithDaemon(Client):
         self.scree("wait", job)
         self.refused(self.scree("fetch", job, "-o", "/proc/x.h5"), "/proc")
         self.refused(self.scree("fetch", job, "-o", "job.json"), "job.json")
+
+    def test_fetch_that_cannot_be_finished_leaves_the_older_file(self):
+        # The disk fills in the middle: no half result, and none in place of a whole one.
+        job = self.submit(COLLISION)
+        self.scree("wait", job)
+        with open(os.path.join(self.work, f"{job}.h5"), "w") as older:
+            older.write("older")
+        limit = {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))}
+        process = self.open("fetch", job, **limit)
+        _, err = process.communicate(timeout=PATIENCE_S)
+        self.assertEqual(process.returncode, 1, err)
+        self.assertIn("cannot write", err)
+        self.assertEqual(sorted(os.listdir(self.work)), [f"{job}.h5", "job.json"])
+        with open(os.path.join(self.work, f"{job}.h5")) as older:
+            self.assertEqual(older.read(), "older")
 
     def test_tail_formats_agree(self):
         job = self.submit(COLLISION)

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the unit tests of specs and messages share: cmocka, draws that are the
- * same in every run, and the look at an error. */
+/* What unit tests of specs and messages share: cmocka and the look at an error. */
 #ifndef TEST_SUPPORT_UNIT_H
 #define TEST_SUPPORT_UNIT_H
 
@@ -15,20 +14,6 @@
 #include "base/status.h"
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
-
-/* Steele's splitmix64: short, and any seed will do. */
-static inline uint64_t draw(uint64_t *state)
-{
-    uint64_t z = *state += 0x9e3779b97f4a7c15u;
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return z ^ z >> 31;
-}
-
-static inline size_t draw_below(uint64_t *state, size_t limit)
-{
-    return (size_t)(draw(state) % limit);
-}
 
 /* Fails unless `err` says exactly this. */
 static inline void assert_error(const struct scree_error *err, enum scree_status status, const char *path, const char *message)

@@ -1,0 +1,159 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* From the descriptions that clients get (table_describe) to JSON Schema, draft
+ * 2020-12, so that the schema can say nothing that the descriptions do not. */
+#include "schema.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "protocol/job_json.h"
+
+static void put_copy(cJSON *to, const char *key, const cJSON *from, const char *as)
+{
+    const cJSON *item = json_get(from, key);
+    if (item)
+        json_put(to, as, cJSON_Duplicate(item, true));
+}
+
+static cJSON *type_schema(const char *type)
+{
+    cJSON *schema = cJSON_CreateObject();
+    json_put_text(schema, "type", type);
+    return schema;
+}
+
+static cJSON *object_schema(bool nullable)
+{
+    cJSON *schema = type_schema("object");
+    if (nullable) { // a switch: null is off
+        const char *const types[] = {"object", "null"};
+        cJSON_DeleteItemFromObjectCaseSensitive(schema, "type");
+        json_put(schema, "type", cJSON_CreateStringArray(types, 2));
+    }
+    json_put_bool(schema, "additionalProperties", false);
+    json_put(schema, "properties", cJSON_CreateObject());
+    return schema;
+}
+
+static void add_fields(cJSON *schema, const cJSON *fields, bool defaults);
+
+/* One row. `defaults` is false where they differ between scenarios. */
+static cJSON *field_schema(const cJSON *row, bool defaults)
+{
+    const char *type = json_text(row, "type"), *unit = json_text(row, "unit"), *doc = json_text(row, "doc");
+    cJSON *schema;
+    if (strcmp(type, "number") == 0 || strcmp(type, "integer") == 0) {
+        schema = type_schema(type);
+        put_copy(schema, "min", row, "minimum");
+        put_copy(schema, "max", row, "maximum");
+    } else if (strcmp(type, "vector of three numbers") == 0) {
+        cJSON *items = type_schema("number");
+        schema = type_schema("array");
+        put_copy(items, "min", row, "minimum");
+        put_copy(items, "max", row, "maximum");
+        json_put(schema, "items", items);
+        json_put_int(schema, "minItems", 3);
+        json_put_int(schema, "maxItems", 3);
+    } else if (strcmp(type, "choice") == 0) {
+        schema = type_schema("string");
+        put_copy(schema, "choices", row, "enum");
+    } else if (strcmp(type, "choices") == 0) {
+        cJSON *items = type_schema("string");
+        schema = type_schema("array");
+        put_copy(items, "choices", row, "enum");
+        json_put(schema, "items", items);
+        json_put_bool(schema, "uniqueItems", true);
+    } else if (strcmp(type, "text") == 0) {
+        schema = type_schema("string");
+        put_copy(schema, "max_bytes", row, "maxLength");
+    } else if (strcmp(type, "boolean") == 0) {
+        schema = type_schema("boolean");
+    } else {
+        schema = object_schema(strcmp(type, "switch") == 0);
+        add_fields(schema, json_get(row, "fields"), defaults);
+    }
+    if (*doc || *unit) {
+        char text[512];
+        snprintf(text, sizeof text, "%s%s%s%s", doc, *unit ? " (" : "", unit, *unit ? ")" : "");
+        json_put_text(schema, "description", text);
+    }
+    if (defaults)
+        put_copy(schema, "default", row, "default");
+    return schema;
+}
+
+static void add_fields(cJSON *schema, const cJSON *fields, bool defaults)
+{
+    cJSON *properties = cJSON_GetObjectItemCaseSensitive(schema, "properties");
+    for (const cJSON *row = fields ? fields->child : NULL; row; row = row->next)
+        json_put(properties, json_text(row, "name"), field_schema(row, defaults));
+}
+
+static void add_table(cJSON *schema, const struct field_table *table, bool defaults)
+{
+    cJSON *fields = table_describe(table);
+    add_fields(schema, fields, defaults);
+    cJSON_Delete(fields);
+}
+
+/* if scenario is this one, then params are its own and these are the defaults. */
+static cJSON *scenario_branch(const struct scenario_fields *scenario)
+{
+    cJSON *branch = cJSON_CreateObject(), *when = cJSON_CreateObject(), *then = cJSON_CreateObject();
+    cJSON *name = cJSON_CreateObject(), *is = cJSON_CreateObject(), *properties = cJSON_CreateObject();
+    cJSON *params = object_schema(false);
+    struct job_spec job;
+    json_put_text(is, "const", scenario->name);
+    json_put(name, "scenario", is);
+    json_put(when, "properties", name);
+    json_put(branch, "if", when);
+    json_put_text(params, "description", scenario->doc);
+    add_table(params, scenario->params, true);
+    json_put(properties, "params", params);
+    json_put(then, "properties", properties);
+    job_defaults(&job, scenario);
+    json_put(then, "default", job_encode(&job));
+    json_put(branch, "then", then);
+    return branch;
+}
+
+static cJSON *material_schema(void)
+{
+    cJSON *schema = object_schema(false), *preset = type_schema("string"), *names = cJSON_CreateArray();
+    for (size_t k = 0; k < material_preset_count; k++)
+        cJSON_AddItemToArray(names, cJSON_CreateString(material_presets[k].name));
+    json_put(preset, "enum", names);
+    json_put_text(preset, "description", "the published material that the other values start from");
+    json_put_text(schema, "description", material_table.doc);
+    json_put(cJSON_GetObjectItemCaseSensitive(schema, "properties"), "preset", preset);
+    add_table(schema, &material_table, false);
+    return schema;
+}
+
+char *schema_text(void)
+{
+    const char *const required[] = {"scenario"};
+    cJSON *schema = cJSON_CreateObject(), *scenario = type_schema("string"), *names = cJSON_CreateArray();
+    cJSON *branches = cJSON_CreateArray(), *properties = cJSON_CreateObject();
+    json_put_text(schema, "$schema", "https://json-schema.org/draft/2020-12/schema");
+    json_put_text(schema, "title", "scree job");
+    json_put_text(schema, "description", "made from the tables of src/spec by the build target write_schema");
+    json_put_text(schema, "type", "object");
+    json_put(schema, "required", cJSON_CreateStringArray(required, 1));
+    json_put_bool(schema, "additionalProperties", false);
+    for (size_t k = 0; k < scenario_count; k++) {
+        cJSON_AddItemToArray(names, cJSON_CreateString(scenario_list[k]->name));
+        cJSON_AddItemToArray(branches, scenario_branch(scenario_list[k]));
+    }
+    json_put(scenario, "enum", names);
+    json_put(properties, "scenario", scenario);
+    json_put(properties, "params", type_schema("object"));
+    json_put(properties, "material", material_schema());
+    json_put(schema, "properties", properties);
+    add_table(schema, &job_table, false);
+    json_put(schema, "allOf", branches);
+    char *text = json_print(schema, true);
+    cJSON_Delete(schema);
+    return text;
+}
