@@ -113,6 +113,23 @@ enum scree_status scree_world_close(struct scree_world *world, struct scree_erro
  * exactly when two worlds are in the same state, to the bit. */
 uint64_t scree_world_hash(const struct scree_world *world);
 
+/* A second world in the same state, to the bit, which goes on by itself. Takes
+ * nothing from the first one, which must not be advanced meanwhile. */
+enum scree_status scree_world_fork(const struct scree_world *world, const struct scree_options *options, const struct scree_sink *sink,
+                                   struct scree_world **out, struct scree_error *err);
+
+/* ---- checkpoints (HDF5: one thread of a process makes these calls) ---- */
+
+/* Writes PATH beside, flushed to disk, then renamed; the world stays as it is. */
+enum scree_status scree_checkpoint_write(const struct scree_world *world, const char *path, struct scree_error *err);
+
+/* A world that goes on where the checkpoint was written, to the bit. `job` is the
+ * job's spec as the caller knows it; a checkpoint of another spec, version or
+ * build, or one that is cut short or changed by a single bit, is SCREE_CORRUPT,
+ * with the file's name in the message. */
+enum scree_status scree_checkpoint_read(const char *path, const struct job_spec *job, const struct scree_options *options,
+                                        const struct scree_sink *sink, struct scree_world **out, struct scree_error *err);
+
 /* The streams this world will put, in a fixed order. */
 size_t scree_world_streams(const struct scree_world *world, const struct scree_stream *const **streams);
 

@@ -54,33 +54,30 @@ static void fill_row(struct dem *dem, size_t row, uint32_t id, const struct dem_
     dem->spin[row][3] = grain->fixed ? 0 : dem->step_s / (0.4 * mass * r * r);
     dem->id[row] = id;
     dem->mass[row] = mass;
-    if (r > dem->largest_radius)
-        dem->largest_radius = r;
 }
 
-static enum scree_status fill_rows(struct dem *dem, const struct dem_setup *setup, struct scree_error *err)
+/* Zeroed rows for so many grains. */
+static enum scree_status make_rows(struct dem *dem, size_t moving, size_t grains, struct scree_error *err)
 {
-    size_t n = setup->grain_count;
-    dem->grains = n;
-    for (size_t k = 0; k < n; k++)
-        dem->moving += !setup->grains[k].fixed;
-    dem->position = memory_rows(n, sizeof *dem->position);
-    dem->velocity = memory_rows(n, sizeof *dem->velocity);
-    dem->spin = memory_rows(n, sizeof *dem->spin);
-    dem->position0 = memory_rows(dem->moving, sizeof *dem->position0);
-    dem->velocity0 = memory_rows(dem->moving, sizeof *dem->velocity0);
-    dem->id = memory_rows(n, sizeof *dem->id);
-    dem->mass = memory_rows(n, sizeof *dem->mass);
-    dem->walls = memory_rows(setup->wall_count, sizeof *dem->walls);
-    if (!dem->position || !dem->velocity || !dem->spin || !dem->position0 || !dem->velocity0 || !dem->id || !dem->mass ||
-        !dem->walls)
-        return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for %zu grains (%.3g MB)", n, dem_bytes((double)n, 0) / 1e6);
+    dem->moving = moving;
+    dem->grains = grains;
+    dem->position = memory_rows(grains, sizeof *dem->position);
+    dem->velocity = memory_rows(grains, sizeof *dem->velocity);
+    dem->spin = memory_rows(grains, sizeof *dem->spin);
+    dem->position0 = memory_rows(moving, sizeof *dem->position0);
+    dem->velocity0 = memory_rows(moving, sizeof *dem->velocity0);
+    dem->id = memory_rows(grains, sizeof *dem->id);
+    dem->mass = memory_rows(grains, sizeof *dem->mass);
+    if (dem->position && dem->velocity && dem->spin && dem->position0 && dem->velocity0 && dem->id && dem->mass)
+        return SCREE_OK;
+    return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for %zu grains (%.3g MB)", grains, dem_bytes((double)grains, 0) / 1e6);
+}
+
+static void fill_rows(struct dem *dem, const struct dem_setup *setup)
+{
     size_t moving = 0, fixed = dem->moving;
-    for (size_t k = 0; k < n; k++)
+    for (size_t k = 0; k < setup->grain_count; k++)
         fill_row(dem, setup->grains[k].fixed ? fixed++ : moving++, (uint32_t)k, &setup->grains[k]);
-    memcpy(dem->walls, setup->walls, setup->wall_count * sizeof *dem->walls);
-    dem->wall_count = setup->wall_count;
-    return SCREE_OK;
 }
 
 static enum scree_status make_parts(struct dem *dem, int threads, struct scree_error *err)
@@ -122,12 +119,21 @@ static void first_lists(void *context, int member)
     near_refresh(context, member);
 }
 
-enum scree_status dem_create(const struct dem_setup *setup, struct dem **out, struct scree_error *err)
+enum scree_status dem_first_lists(struct dem *dem, struct scree_error *err)
+{
+    team_run(dem->team, first_lists, dem);
+    for (int k = 0; k < dem->part_count; k++)
+        if (dem->parts[k].status) {
+            if (err)
+                *err = dem->parts[k].error;
+            return dem->parts[k].status;
+        }
+    return SCREE_OK;
+}
+
+enum scree_status dem_start(const struct dem_setup *setup, size_t moving, size_t grains, struct dem **out, struct scree_error *err)
 {
     enum scree_status status;
-    if (setup->grain_count >= IMAGE_ROW)
-        return scree_fail(err, SCREE_INVALID, "params", "%zu grains are more than the %d that a world holds", setup->grain_count,
-                          IMAGE_ROW - 1);
     struct dem *dem = memory_rows(1, sizeof *dem);
     if (!dem)
         return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for a world");
@@ -139,22 +145,52 @@ enum scree_status dem_create(const struct dem_setup *setup, struct dem **out, st
     memcpy(dem->length, setup->length, sizeof dem->length);
     fill_shifts(dem);
     dem->law->coefs(&setup->material, setup->step_s, &dem->coefs);
-    if ((status = cpu_choose(setup->isa, &dem->isa, err)) || (status = fill_rows(dem, setup, err)) ||
-        (status = make_parts(dem, setup->threads, err)))
-        goto out;
+    dem->walls = memory_rows(setup->wall_count, sizeof *dem->walls);
+    if (!dem->walls)
+        status = scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for %zu walls", setup->wall_count);
+    else if (!(status = cpu_choose(setup->isa, &dem->isa, err)) && !(status = make_rows(dem, moving, grains, err)))
+        status = make_parts(dem, setup->threads, err);
+    if (status) {
+        dem_free(dem);
+        return status;
+    }
+    memcpy(dem->walls, setup->walls, setup->wall_count * sizeof *dem->walls);
+    dem->wall_count = setup->wall_count;
     dem->kernels = kernels_for(dem->isa);
+    *out = dem;
+    return SCREE_OK;
+}
+
+void dem_plan(struct dem *dem)
+{
+    dem->largest_radius = 0;
+    for (size_t i = 0; i < dem->grains; i++)
+        dem->largest_radius = fmax(dem->largest_radius, dem->position[i][3]);
     double diameter = 2 * dem->largest_radius;
-    dem->plan = (struct near_plan){.skin = SKIN_SHARE * diameter, .stray = STRAY_SHARE * diameter, .target = HORIZON_STEPS};
-    if ((status = order_rows(dem, err)))
-        goto out;
-    dem->start_potential = order_potential(dem);
-    team_run(dem->team, first_lists, dem);
-    for (int k = 0; k < dem->part_count && !status; k++)
-        if ((status = dem->parts[k].status) && err)
-            *err = dem->parts[k].error;
+    dem->plan =
+        (struct near_plan){.skin = SKIN_SHARE * diameter, .stray = STRAY_SHARE * diameter, .target = HORIZON_STEPS, .stale = true};
+}
+
+enum scree_status dem_create(const struct dem_setup *setup, struct dem **out, struct scree_error *err)
+{
+    size_t moving = 0;
+    struct dem *dem = NULL;
+    if (setup->grain_count >= IMAGE_ROW)
+        return scree_fail(err, SCREE_INVALID, "params", "%zu grains are more than the %d that a world holds", setup->grain_count,
+                          IMAGE_ROW - 1);
+    for (size_t k = 0; k < setup->grain_count; k++)
+        moving += !setup->grains[k].fixed;
+    enum scree_status status = dem_start(setup, moving, setup->grain_count, &dem, err);
+    if (status)
+        return status;
+    fill_rows(dem, setup);
+    dem_plan(dem);
+    if (!(status = order_rows(dem, err))) {
+        dem->start_potential = order_potential(dem);
+        status = dem_first_lists(dem, err);
+    }
     if (!status && !setup->overlaps)
         status = check_overlaps(dem, err);
-out:
     if (status)
         dem_free(dem);
     else

@@ -140,6 +140,12 @@ struct dem {
 /* Steps between two looks at what needs no step-by-step care: blow-up, wrapping, order in memory. */
 enum { DEM_HOUSEKEEPING = 64 };
 
+/* dem.c: the steps of making a world. An empty one with zeroed rows; what follows
+ * from its rows (`plan`); its first lists. */
+enum scree_status dem_start(const struct dem_setup *setup, size_t moving, size_t grains, struct dem **out, struct scree_error *err);
+void dem_plan(struct dem *dem);
+enum scree_status dem_first_lists(struct dem *dem, struct scree_error *err);
+
 /* near.c. Called by every member after the drift of a step, behind a barrier:
  * whether the lists still hold every pair that touches. */
 bool near_complete(struct dem *dem, struct part *part);

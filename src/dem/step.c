@@ -98,38 +98,49 @@ static void add_loss(double lost[4], const struct contact_loss *loss)
     lost[3] += loss->rolling;
 }
 
-static void account_losses(struct dem *dem, const struct part *part)
+/* What the springs of ended contacts held is lost; Hertz's gives all back. */
+static void account_ended(struct dem *dem, const struct part *part)
 {
-    for (size_t k = 0; k < part->active_count; k++)
-        add_loss(dem->lost, &part->loss[k]);
-    for (size_t k = 0; k < part->ended_count; k++) { // what the springs of an ended contact held is lost
+    for (size_t k = 0; k < part->ended_count; k++) {
         struct contact_loss left = dem->law->elastic(&dem->coefs, part->near.contact[part->ended[k]], 0);
-        left.normal = 0; // Hertz's spring gives all back
+        left.normal = 0;
         add_loss(dem->lost, &left);
     }
 }
 
-/* Member 0, over all parts in order, so that sums have one order too. */
+static void account_pairs(struct dem *dem, const struct part *part)
+{
+    for (size_t k = 0; k < part->active_count; k++) {
+        if ((part->near.second[part->active[k]] & IMAGE_ROW) >= dem->moving)
+            for (int a = 0; a < 3; a++)
+                dem->base_sum[a] += part->out[k].force[a];
+        if (dem->ledger)
+            add_loss(dem->lost, &part->loss[k]);
+    }
+}
+
+static void account_walls(struct dem *dem, const struct part *part)
+{
+    for (size_t k = 0; k < part->wall_count; k++) {
+        const struct wall_pair *pair = &part->walls[k];
+        if (pair->touching && dem->walls[pair->wall].base)
+            for (int a = 0; a < 3; a++)
+                dem->base_sum[a] += pair->out.force[a];
+        if (dem->ledger)
+            add_loss(dem->lost, &pair->loss);
+    }
+}
+
+/* Member 0: each kind over all parts in order, so that sums have one order
+ * however many parts there are. */
 static void account(struct dem *dem)
 {
-    for (int p = 0; p < dem->part_count; p++) {
-        const struct part *part = &dem->parts[p];
-        for (size_t k = 0; k < part->active_count; k++)
-            if ((part->near.second[part->active[k]] & IMAGE_ROW) >= dem->moving)
-                for (int a = 0; a < 3; a++)
-                    dem->base_sum[a] += part->out[k].force[a];
-        if (dem->ledger)
-            account_losses(dem, part);
-    }
     for (int p = 0; p < dem->part_count; p++)
-        for (size_t k = 0; k < dem->parts[p].wall_count; k++) {
-            const struct wall_pair *pair = &dem->parts[p].walls[k];
-            if (pair->touching && dem->walls[pair->wall].base)
-                for (int a = 0; a < 3; a++)
-                    dem->base_sum[a] += pair->out.force[a];
-            if (dem->ledger)
-                add_loss(dem->lost, &pair->loss);
-        }
+        account_pairs(dem, &dem->parts[p]);
+    for (int p = 0; p < dem->part_count && dem->ledger; p++)
+        account_ended(dem, &dem->parts[p]);
+    for (int p = 0; p < dem->part_count; p++)
+        account_walls(dem, &dem->parts[p]);
     dem->base_steps++;
     dem->step++;
 }

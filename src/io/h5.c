@@ -2,7 +2,12 @@
 /* See h5.h. */
 #include "io/h5.h"
 
+#include <errno.h>
+#include <fcntl.h>
+#include <libgen.h>
+#include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 static bool ready(const struct h5 *h5)
 {
@@ -17,12 +22,21 @@ static void check(struct h5 *h5, int64_t result, const char *what, const char *a
                                 what, at);
 }
 
-void h5_create(struct h5 *h5, const char *path)
+void h5_create_after(struct h5 *h5, const char *path, size_t block)
 {
     *h5 = (struct h5){.path = path};
     H5Eset_auto2(H5E_DEFAULT, NULL, NULL); // failures are reported by us
-    h5->file = H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+    hid_t list = H5Pcreate(H5P_FILE_CREATE);
+    if (block)
+        H5Pset_userblock(list, block);
+    h5->file = H5Fcreate(path, H5F_ACC_TRUNC, list, H5P_DEFAULT);
+    H5Pclose(list);
     check(h5, h5->file, "creating", "the file");
+}
+
+void h5_create(struct h5 *h5, const char *path)
+{
+    h5_create_after(h5, path, 0);
 }
 
 enum scree_status h5_close(struct h5 *h5, struct scree_error *err)
@@ -193,4 +207,33 @@ void h5_scalar_int(struct h5 *h5, const char *at, int64_t value)
 {
     if (ready(h5))
         whole(h5, at, H5T_STD_I64LE, H5T_NATIVE_INT64, H5Screate(H5S_SCALAR), &value);
+}
+
+void h5_array(struct h5 *h5, const char *at, hid_t type, const void *values, size_t count)
+{
+    const hsize_t size = count;
+    if (ready(h5))
+        whole(h5, at, type, type, H5Screate_simple(1, &size, NULL), values);
+}
+
+enum scree_status h5_into_place(const char *part, const char *path, struct scree_error *err)
+{
+    char folder[4096];
+    int file = open(part, O_RDONLY | O_CLOEXEC);
+    if (file < 0 || fsync(file) != 0) {
+        enum scree_status status = scree_fail(err, SCREE_IO, "", "cannot bring %s to disk: %s", part, strerror(errno));
+        if (file >= 0)
+            close(file);
+        return status;
+    }
+    close(file);
+    if (rename(part, path) != 0)
+        return scree_fail(err, SCREE_IO, "", "cannot rename %s to %s: %s", part, path, strerror(errno));
+    snprintf(folder, sizeof folder, "%s", path);
+    int directory = open(dirname(folder), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (directory >= 0) {
+        fsync(directory);
+        close(directory);
+    }
+    return SCREE_OK;
 }

@@ -19,6 +19,8 @@ struct h5 {
 
 /* Creates PATH anew; h5_close flushes and closes it and returns the status. */
 void h5_create(struct h5 *h5, const char *path);
+/* The same with a user block of so many bytes (a power of two from 512 on) at the head. */
+void h5_create_after(struct h5 *h5, const char *path, size_t block);
 enum scree_status h5_close(struct h5 *h5, struct scree_error *err);
 
 /* Groups and attributes; `at` is a path within the file, parents are made. */
@@ -36,6 +38,12 @@ void h5_vector(struct h5 *h5, const char *at, const double *values, size_t count
 void h5_integers(struct h5 *h5, const char *at, const int64_t *values, size_t count);
 void h5_scalar(struct h5 *h5, const char *at, double value);
 void h5_scalar_int(struct h5 *h5, const char *at, int64_t value);
+
+/* A whole dataset of any type, contiguous. */
+void h5_array(struct h5 *h5, const char *at, hid_t type, const void *values, size_t count);
+
+/* Brings a closed file to disk and renames it. */
+enum scree_status h5_into_place(const char *part, const char *path, struct scree_error *err);
 
 /* A dataset frames x rows x columns (columns 0: frames x rows) that grows by frames. */
 void h5_frames(struct h5 *h5, const char *at, size_t rows, size_t columns);

@@ -8,9 +8,6 @@
  *
  * The file is made beside its place, flushed to disk and renamed, so that a
  * result is there whole or not at all. Streams are copied chunk by chunk. */
-#include <errno.h>
-#include <fcntl.h>
-#include <libgen.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -289,28 +286,6 @@ static enum scree_status write_grains(struct h5 *h5, const struct scree_result *
 
 /* ---- the file ---- */
 
-static enum scree_status into_place(const char *part, const char *path, struct scree_error *err)
-{
-    char folder[4096];
-    int file = open(part, O_RDONLY | O_CLOEXEC);
-    if (file < 0 || fsync(file) != 0) {
-        enum scree_status status = scree_fail(err, SCREE_IO, "", "cannot bring %s to disk: %s", part, strerror(errno));
-        if (file >= 0)
-            close(file);
-        return status;
-    }
-    close(file);
-    if (rename(part, path) != 0)
-        return scree_fail(err, SCREE_IO, "", "cannot rename %s to %s: %s", part, path, strerror(errno));
-    snprintf(folder, sizeof folder, "%s", path);
-    int directory = open(dirname(folder), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (directory >= 0) {
-        fsync(directory);
-        close(directory);
-    }
-    return SCREE_OK;
-}
-
 static enum scree_status write_streams(struct h5 *h5, const struct scree_result *r, const struct scree_source *source,
                                        struct scree_error *err)
 {
@@ -344,7 +319,7 @@ enum scree_status scree_result_write(const struct scree_result *r, const struct 
     if (!status)
         status = closed;
     if (!status)
-        status = into_place(part, r->path, err);
+        status = h5_into_place(part, r->path, err);
     if (status)
         unlink(part);
     return status;

@@ -105,7 +105,14 @@ static enum scree_status settle(const struct job_spec *job, const char *isa, str
     struct view view;
     enum scree_status status = dem_create(&setup, &dem, err);
     double steps = BASE_SETTLE * sqrt(d / p->gravity_m_s2) / setup.step_s;
-    if (status || (status = dem_advance(dem, (uint64_t)steps, err)) || (status = dem_view(dem, &view, err)))
+    if (status)
+        goto out;
+    struct scree_error inner = {0};
+    if ((status = dem_advance(dem, (uint64_t)steps, &inner))) {
+        scree_fail(err, status, NULL, "while the base was made (step %.3g s): %s", setup.step_s, inner.message);
+        goto out;
+    }
+    if ((status = dem_view(dem, &view, err)))
         goto out;
     for (size_t k = 0; k < count; k++) {
         struct dem_grain *grain = &grains[view.id[k]];

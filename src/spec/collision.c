@@ -112,7 +112,7 @@ static struct job_cost collision_cost(const struct job_spec *job)
     bool pair = params_of(job)->partner != PARTNER_PLANE;
     return (struct job_cost){.moving = params_of(job)->partner == PARTNER_SPHERE ? 2 : 1,
                              .fixed = pair && params_of(job)->partner == PARTNER_FIXED_SPHERE ? 1 : 0,
-                             .steps = ceil(job->time.end_s / job->time.step_s),
+                             .steps = fmax(1, round(job->time.end_s / job->time.step_s)),
                              .bytes = 1e6};
 }
 

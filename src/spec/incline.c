@@ -76,7 +76,8 @@ static struct job_cost incline_cost(const struct job_spec *job)
 {
     const struct incline_params *p = params_of(job);
     double area = (double)(p->nx * p->ny);
-    struct job_cost cost = {.moving = area * (double)p->nz, .fixed = 1.5 * area, .steps = ceil(job->time.end_s / job->time.step_s)};
+    struct job_cost cost = {
+        .moving = area * (double)p->nz, .fixed = 1.5 * area, .steps = fmax(1, round(job->time.end_s / job->time.step_s))};
     cost.bytes = (cost.moving + cost.fixed) * SPEC_BYTES_PER_GRAIN;
     return cost;
 }

@@ -47,4 +47,8 @@ struct scree_world {
 /* Values of bulk_window. */
 enum { BULK_MEAN_HEIGHT, BULK_MEAN_VX, BULK_MEAN_SPEED, BULK_MEAN_CONTACTS, BULK_MEAN_KINETIC };
 
+/* A world with its records and no grains yet: what making and restoring one share. */
+enum scree_status world_prepare(const struct job_spec *job, const struct scree_options *options, const struct scree_sink *sink,
+                                struct scree_world **out, struct scree_error *err);
+
 #endif

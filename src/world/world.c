@@ -83,8 +83,8 @@ static enum scree_status look_first(struct scree_world *w, struct scree_error *e
     return w->snapshots.on ? frame_put(&view, &snapshots_stream, w->snapshot_seq++, &w->sink, err) : SCREE_OK;
 }
 
-enum scree_status scree_world_create(const struct job_spec *job, const struct scree_options *options, const struct scree_sink *sink,
-                                     struct scree_world **out, struct scree_error *err)
+enum scree_status world_prepare(const struct job_spec *job, const struct scree_options *options, const struct scree_sink *sink,
+                                struct scree_world **out, struct scree_error *err)
 {
     const struct scenario *scenario = scenario_implementation(job->scenario->name);
     if (!scenario)
@@ -97,15 +97,29 @@ enum scree_status scree_world_create(const struct job_spec *job, const struct sc
     w->scenario = scenario;
     w->threads = options && options->threads > 0 ? options->threads : (int)job->threads;
     w->end_step = (uint64_t)fmax(1, round(job->time.end_s / job->time.step_s));
-    double gravity[3];
-    scenario->gravity(job, gravity);
     scenario->base(job, &w->base_z, &w->area);
+    enum scree_status status = start_records(w, err);
+    if (status)
+        scree_world_free(w);
+    else
+        *out = w;
+    return status;
+}
+
+enum scree_status scree_world_create(const struct job_spec *job, const struct scree_options *options, const struct scree_sink *sink,
+                                     struct scree_world **out, struct scree_error *err)
+{
+    struct scree_world *w = NULL;
+    enum scree_status status = world_prepare(job, options, sink, &w, err);
+    if (status)
+        return status;
+    double gravity[3];
+    w->scenario->gravity(job, gravity);
     double g = sqrt(gravity[0] * gravity[0] + gravity[1] * gravity[1] + gravity[2] * gravity[2]);
     window_start(&w->force_window);
     window_start(&w->bulk_window);
-    enum scree_status status;
-    if ((status = start_records(w, err)) ||
-        (status = scenario->build(job, options ? options->isa : NULL, w->threads, &w->dem, err)) || (status = look_first(w, err))) {
+    if ((status = w->scenario->build(job, options ? options->isa : NULL, w->threads, &w->dem, err)) ||
+        (status = look_first(w, err))) {
         scree_world_free(w);
         return status;
     }

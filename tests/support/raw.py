@@ -213,6 +213,8 @@ class Daemon:
             self.control = None
         if self.alive():
             self.process.send_signal(number)
+        elif self.process.returncode > 0 or self.process.returncode == -signal.SIGABRT:
+            sys.stderr.write(f"screed had ended with {self.process.returncode} by itself:\n" + self.log())
         try:
             return self.process.wait(timeout_s)
         except subprocess.TimeoutExpired:
