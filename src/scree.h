@@ -115,8 +115,8 @@ uint64_t scree_world_hash(const struct scree_world *world);
 
 /* A second world in the same state, to the bit, which goes on by itself. Takes
  * nothing from the first one, which must not be advanced meanwhile. */
-enum scree_status scree_world_fork(const struct scree_world *world, const struct scree_options *options, const struct scree_sink *sink,
-                                   struct scree_world **out, struct scree_error *err);
+enum scree_status scree_world_fork(const struct scree_world *world, const struct scree_options *options,
+                                   const struct scree_sink *sink, struct scree_world **out, struct scree_error *err);
 
 /* ---- checkpoints (HDF5: one thread of a process makes these calls) ---- */
 

@@ -301,6 +301,11 @@ struct dem_counts dem_counts(const struct dem *dem)
     return counts;
 }
 
+void dem_profile(struct dem *dem, struct dem_profile *profile)
+{
+    dem->profile = profile;
+}
+
 double dem_bytes(double moving, double fixed)
 {
     return (moving + fixed) * SPEC_BYTES_PER_GRAIN;

@@ -83,6 +83,14 @@ struct dem_counts {
 };
 struct dem_counts dem_counts(const struct dem *dem);
 
+/* Where the time of member 0 goes while a profile is taken, in processor ticks. */
+enum dem_phase { DEM_INTEGRATE, DEM_LISTS, DEM_SEARCH, DEM_LAW, DEM_GATHER, DEM_MEASURE, DEM_PHASES };
+struct dem_profile {
+    uint64_t ticks[DEM_PHASES];
+};
+/* From now on ticks are added to *profile, which the caller keeps; NULL ends it. */
+void dem_profile(struct dem *dem, struct dem_profile *profile);
+
 /* Bytes a world of that size takes, for refusals before building it. */
 double dem_bytes(double moving, double fixed);
 

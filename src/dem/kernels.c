@@ -57,34 +57,60 @@ static size_t touch(const struct pair_batch *b, const double *reach2, size_t cou
     return found;
 }
 
+/* A row of velocity and one of spin, in registers. */
+struct motion {
+    v4 velocity, spin;
+};
+
+SIMD_INLINE struct motion motion_load(double (*velocity)[4], double (*spin)[4], uint32_t i)
+{
+    return (struct motion){v4_load(velocity[i]), v4_load(spin[i])};
+}
+
+SIMD_INLINE void motion_store(double (*velocity)[4], double (*spin)[4], uint32_t i, struct motion m)
+{
+    v4_store(velocity[i], m.velocity);
+    v4_store(spin[i], m.spin);
+}
+
+SIMD_INLINE v4 strayed_more(v4 stray, v4 velocity, const double velocity0[4])
+{
+    v4 change = velocity - v4_load(velocity0);
+    return v4_max(stray, change * change);
+}
+
+/* Contacts of one first grain follow each other, so its rows stay in registers
+ * meanwhile; it cannot be a second grain then, since second rows are higher. */
 static void kick(const struct pair_batch *b, double (*velocity)[4], double (*spin)[4], double (*velocity0)[4], size_t from,
                  size_t to, double strayed2[4])
 {
+    if (b->active_count == 0)
+        return;
     v4 stray = v4_load(strayed2);
+    uint32_t i = b->first[b->active[0]];
+    struct motion one = motion_load(velocity, spin, i);
     for (size_t k = 0; k < b->active_count; k++) {
-        uint32_t p = b->active[k], i = b->first[p], j = b->second[p] & IMAGE_ROW;
+        uint32_t p = b->active[k], j = b->second[p] & IMAGE_ROW;
         const struct contact_out *out = &b->out[k];
         v4 force = v4_load(out->force);
-        if (i >= from) { // never at or above `to`: pairs are owned by their first grain
-            v4 v = v4_load(velocity[i]), w = v4_load(spin[i]);
-            v = v - force * v4_all(v[3]);
-            w = w + v4_load(out->torque1) * v4_all(w[3]);
-            v4_store(velocity[i], v);
-            v4_store(spin[i], w);
-            v4 change = v - v4_load(velocity0[i]);
-            stray = v4_max(stray, change * change);
+        if (b->first[p] != i) {
+            motion_store(velocity, spin, i, one);
+            stray = strayed_more(stray, one.velocity, velocity0[i]);
+            i = b->first[p];
+            one = motion_load(velocity, spin, i);
         }
+        one.velocity = one.velocity - force * v4_all(one.velocity[3]);
+        one.spin = one.spin + v4_load(out->torque1) * v4_all(one.spin[3]);
         if (j >= from && j < to) {
-            v4 v = v4_load(velocity[j]), w = v4_load(spin[j]);
-            v = v + force * v4_all(v[3]);
-            w = w + v4_load(out->torque2) * v4_all(w[3]);
-            v4_store(velocity[j], v);
-            v4_store(spin[j], w);
-            v4 change = v - v4_load(velocity0[j]);
-            stray = v4_max(stray, change * change);
+            struct motion two = motion_load(velocity, spin, j);
+            two.velocity = two.velocity + force * v4_all(two.velocity[3]);
+            two.spin = two.spin + v4_load(out->torque2) * v4_all(two.spin[3]);
+            motion_store(velocity, spin, j, two);
+            stray = strayed_more(stray, two.velocity, velocity0[j]);
         }
     }
-    v4_store(strayed2, stray);
+    motion_store(velocity, spin, i, one);
+    v4_store(strayed2, strayed_more(stray, one.velocity, velocity0[i]));
 }
 
 /* On the line between two grains now, distance changes at the rate n.(v2 - v1)

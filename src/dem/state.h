@@ -123,6 +123,7 @@ struct dem {
     int part_count;
     struct near_plan plan;
     struct cells *cells;
+    struct dem_profile *profile; // NULL but for a benchmark
 
     double base_sum[4]; // force on the base, summed over steps since it was taken, N
     uint64_t base_steps;

@@ -15,6 +15,18 @@
 
 #include "dem/state.h"
 
+/* Adds the ticks since the last call to a phase; member 0 of a profiled world only. */
+static inline void clock_phase(const struct dem *dem, const struct part *part, enum dem_phase phase)
+{
+    static _Thread_local uint64_t last;
+    if (!dem->profile || part != dem->parts)
+        return;
+    uint64_t now = __builtin_ia32_rdtsc();
+    if (last)
+        dem->profile->ticks[phase] += now - last;
+    last = now;
+}
+
 static struct pair_batch batch_of(const struct dem *dem, const struct part *part)
 {
     return (struct pair_batch){.position = (const double(*)[4])dem->position,
@@ -58,6 +70,7 @@ static void contacts(struct dem *dem, struct part *part)
     part->active_count = dem->kernels->touch(&hot, part->hot.reach2, part->hot.count, part->hot.touching, part->active,
                                              dem->ledger ? part->ended : NULL, &part->ended_count);
     batch.active_count = part->active_count;
+    clock_phase(dem, part, DEM_SEARCH);
     dem->law->pairs[dem->isa](&dem->coefs, &batch);
     list_exports(dem, part);
     walls_contacts(dem, part);
@@ -182,6 +195,7 @@ static void slice_member(void *context, int member)
                 return;
         }
         drift(dem, part);
+        clock_phase(dem, part, DEM_INTEGRATE);
         team_barrier(dem->team);
         if (!near_complete(dem, part)) {
             near_refresh(dem, member);
@@ -190,11 +204,15 @@ static void slice_member(void *context, int member)
                 return;
         }
         near_heat(dem, part);
+        clock_phase(dem, part, DEM_LISTS);
         contacts(dem, part);
+        clock_phase(dem, part, DEM_LAW);
         team_barrier(dem->team);
         kick(dem, part);
+        clock_phase(dem, part, DEM_GATHER);
         if (member == 0)
             account(dem);
+        clock_phase(dem, part, DEM_MEASURE);
     }
 }
 
