@@ -267,11 +267,15 @@ static void take_bisection(struct study *study, const struct study_trial *trial)
                                     [VERDICT_REST] = STOP_REST,
                                     [VERDICT_STEADY] = STOP_STEADY,
                                     [VERDICT_ACCELERATING] = STOP_ACCELERATING};
+    static const enum bisect_answer undecided[] = {
+        [UNDECIDED_REPORT] = BISECT_NEITHER, [UNDECIDED_RAISE] = BISECT_RAISE, [UNDECIDED_LOWER] = BISECT_LOWER};
     if (trial->job && trial->job->state == JOB_DONE) {
         if (bits[verdict])
             answer = study->plan.spec.raise_low_when & bits[verdict] ? BISECT_RAISE : BISECT_LOWER;
         else if (b->points[trial->point].needed && longer(study, trial) > 0)
             return; // asked again, for longer
+        else
+            answer = undecided[study->plan.spec.undecided];
     }
     bisect_put(b, trial->point, answer);
 }

@@ -142,7 +142,7 @@ static enum scree_status write_h5(const struct record_order *order, struct scree
     if (!status) {
         const struct io_table file = {.path = order->path,
                                       .id = order->id,
-                                      .kind = json_text(content, "study"),
+                                      .kind = json_text(content, "kind"),
                                       .title = json_text(content, "title"),
                                       .state = order->state,
                                       .conclusion = json_text(content, "conclusion"),
@@ -244,7 +244,7 @@ static enum scree_status do_show(struct daemon *daemon, const cJSON *body, const
     struct study *study;
     enum scree_status status = find_study(daemon, body, &study, err);
     if (!status)
-        *result = study_record(study);
+        *result = study_record(study, json_bool(body, "open", false));
     return status;
 }
 

@@ -49,11 +49,11 @@ const char *study_answer_word(const struct study *study, const struct study_tria
         return job_state_word(trial->job->state);
     if (!study->bisects)
         return "done";
-    if (trial->job->report.verdict == VERDICT_UNDECIDED)
-        return "undecided";
-    static const char *const words[] = {"pending", "raise", "lower", "neither"};
+    static const char *const words[] = {"undecided", "raise", "lower", "undecided"};
     const struct bisect *b = &study->bisects[trial->replica];
-    return trial->point < b->point_count ? words[b->points[trial->point].answer] : "done";
+    if (trial->point >= b->point_count || trial != study_trial_at(study, trial->replica, trial->point))
+        return "undecided"; // and run again, for longer
+    return words[b->points[trial->point].answer];
 }
 
 /* "j5 at material.mu_t = 0.5 is steady" */
@@ -67,7 +67,7 @@ static void describe(const struct study *study, size_t replica, int point, char 
     if (!t || !t->job || length >= size)
         return;
     if (t->job->state != JOB_DONE)
-        snprintf(out + length, size - length, "is %s%s%.200s", job_state_word(t->job->state),
+        snprintf(out + length, size - length, "%s%s%.200s", t->job->state == JOB_FAILED ? "failed" : "was cancelled",
                  *t->job->report.error.message ? ": " : "", t->job->report.error.message);
     else if (study->roots && study->roots[replica].points[point].failed)
         snprintf(out + length, size - length, "has no number \"%s\"", study->plan.spec.number);
@@ -119,7 +119,8 @@ bool study_explain(const struct study *study, struct scree_error *err)
             describe(study, r, missing_point(study, r), a, sizeof a);
             scree_fail(err, SCREE_NOT_FOUND, study->plan.spec.over, "the search cannot go on within %s..%s: %s",
                        text_real(low, low_text), text_real(high, high_text), a);
-            scree_hint(err, "%s", study->bisects ? "let trials run longer: time.end_s, extend_to_s" : "look at that job");
+            if (study->bisects && strstr(a, "is undecided"))
+                scree_hint(err, "let trials run longer: time.end_s, extend_to_s");
             return true;
         }
         describe(study, r, 0, a, sizeof a);
@@ -219,7 +220,7 @@ cJSON *study_summary(const struct study *study)
     for (int k = 0; k < JOB_STATES; k++)
         json_put_int(states, job_state_word((enum job_state)k), (long long)counts[k]);
     json_put_text(json, "id", study->id);
-    json_put_text(json, "study", study_kinds[study->plan.spec.kind].name);
+    json_put_text(json, "kind", study_kinds[study->plan.spec.kind].name);
     json_put_text(json, "title", study->plan.spec.title);
     json_put_text(json, "scenario", study->plan.base.scenario->name);
     json_put_text(json, "state", job_state_word(study->state));
@@ -348,7 +349,7 @@ static cJSON *trial_json(const struct study *study, size_t index)
     return json;
 }
 
-cJSON *study_record(const struct study *study)
+cJSON *study_record(const struct study *study, bool open_only)
 {
     cJSON *json = study_summary(study), *trials = cJSON_CreateArray();
     json_put(json, "spec", cJSON_CreateRaw(study->spec_text));
@@ -361,8 +362,9 @@ cJSON *study_record(const struct study *study)
         put_answers(json, study);
         json_put(json, "bracket", bracket_history(study));
     }
-    for (size_t k = 0; k < study->trial_count; k++)
-        cJSON_AddItemToArray(trials, trial_json(study, k));
+    for (size_t k = open_only ? study->first_open : 0; k < study->trial_count; k++)
+        if (!open_only || !study->trials[k].taken)
+            cJSON_AddItemToArray(trials, trial_json(study, k));
     json_put(json, "trials", trials);
     json_put(json, "error",
              study->state == JOB_FAILED ? error_json(scree_status_word(study->error.status), &study->error) : cJSON_CreateNull());

@@ -7,8 +7,8 @@
 
 /* As in lists. */
 cJSON *study_summary(const struct study *study);
-/* As `show` has it: summary, spec, answers, bracket history, every trial. */
-cJSON *study_record(const struct study *study);
+/* As `show` has it: summary, spec, answers, bracket history, every trial, or only those on their way. */
+cJSON *study_record(const struct study *study, bool open_only);
 
 /* {"columns": [{"name", "unit"}], "rows": [[...]]}: a row a trial; what trials differ in, how each ended, its
  * summary numbers, and in a search the bracket after its round. A value that there is not is null. */

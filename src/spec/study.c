@@ -47,6 +47,7 @@ static const struct field sweep_fields[] = {
 };
 
 static const char *const verdict_words[] = {"rest", "steady", "accelerating", NULL}; // in the order of enum stop_when
+static const char *const undecided_words[] = {"report", "raise", "lower", NULL};
 static const struct field bisect_fields[] = {
     TITLE,
     REPLICAS("searches, each with seeds of its own: their spread is that of the answer"),
@@ -71,6 +72,15 @@ static const struct field bisect_fields[] = {
      .unit = "s",
      .doc = "an undecided trial is run again, twice as long each time, up to this end; 0: four times time.end_s",
      .source = "protocols 1.13"},
+    {.name = "undecided",
+     .type = FIELD_ENUM,
+     AT(undecided),
+     .preset = UNDECIDED_REPORT,
+     .unit = "",
+     .doc = "what a trial counts as that is undecided even then: \"report\" ends the search, \"raise\" takes it for one that "
+            "raises the low end (what has not come to rest flows), \"lower\" for the other",
+     .source = "protocols 1.5",
+     .choices = undecided_words},
 };
 
 static const struct field root_fields[] = {

@@ -12,6 +12,8 @@
 
 enum study_kind { STUDY_SWEEP, STUDY_BISECT, STUDY_ROOT, STUDY_KINDS };
 
+enum study_undecided { UNDECIDED_REPORT, UNDECIDED_RAISE, UNDECIDED_LOWER };
+
 enum { STUDY_REPLICAS_MAX = 64, STUDY_AT_ONCE_MAX = 256 };
 
 /* One struct for all three; each kind's table shows its own part of it. */
@@ -27,6 +29,7 @@ struct study_spec {
     /* Bisection. */
     unsigned raise_low_when; // bits of enum stop_when: verdicts that move the low end up; any other one moves the high end down
     double extend_to_s;      // a trial that is undecided is run again, twice as long, up to this; 0: four times its own end
+    int undecided;           // enum study_undecided: what a trial counts as that is undecided at that limit
     /* Root. */
     char number[64]; // of the summary
     double target;
