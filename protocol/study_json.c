@@ -29,6 +29,22 @@ static enum scree_status rename_error(struct scree_error *err, const char *own, 
     return status;
 }
 
+/* An unknown first part: "parms.nx" means "params", "mu_t" by itself "material.mu_t". */
+static void guess_group(const struct job_spec *job, const char *dotted, struct scree_error *err)
+{
+    char first[64];
+    snprintf(first, sizeof first, "%.*s", (int)strcspn(dotted, "."), dotted);
+    const char *near = word_nearest(job_others, first), *group = NULL;
+    if (field_find(job->scenario->params, dotted))
+        group = "params";
+    else if (field_find(&material_table, dotted))
+        group = "material";
+    if (group)
+        scree_fail(err, SCREE_INVALID, dotted, "%s: unknown key; did you mean \"%s.%s\"?", dotted, group, dotted);
+    else if (near && strstr(err->message, "unknown key") && !strstr(err->message, "did you mean"))
+        scree_fail(err, SCREE_INVALID, dotted, "%s: unknown key; did you mean \"%s\"?", dotted, near);
+}
+
 /* The row and the place of a dotted path in a job; *row NULL: one of the two words that no table has. `path`
  * says in messages where the dotted path stands. */
 static enum scree_status find_value(struct job_spec *job, const char *dotted, const char *path, const struct field **row,
@@ -46,9 +62,8 @@ static enum scree_status find_value(struct job_spec *job, const char *dotted, co
         status = field_resolve(&material_table, &job->material, rest = dotted + 9, row, address, &inner);
     } else {
         status = field_resolve(&job_table, job, dotted, row, address, &inner);
-        const char *near = status ? word_nearest(job_others, dotted) : NULL;
-        if (near && !strstr(inner.message, "did you mean"))
-            scree_fail(&inner, SCREE_INVALID, dotted, "%s: unknown key; did you mean \"%s\"?", dotted, near);
+        if (status)
+            guess_group(job, dotted, &inner);
     }
     if (!status && (*row)->table)
         status = scree_fail(&inner, SCREE_INVALID, rest, "%s: is a group of values; name one of them", rest);
