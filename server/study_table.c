@@ -41,6 +41,26 @@ static void column(cJSON *columns, const char *name, const char *unit)
     cJSON_AddItemToArray(columns, c);
 }
 
+/* The seed stands in a column of its own, unless the trials are told apart by it. */
+static bool seed_is_extra(const struct study *study)
+{
+    for (size_t k = 0; k < study->plan.column_count; k++)
+        if (strcmp(study->plan.columns[k], "seed") == 0)
+            return false;
+    return true;
+}
+
+/* A number of the summary; where it is called as a column of every table is, it says that it is one. */
+static void number_column(cJSON *columns, const struct scree_number *number)
+{
+    char name[96];
+    const cJSON *other;
+    bool taken = false;
+    cJSON_ArrayForEach(other, columns) taken |= strcmp(json_text(other, "name"), number->name) == 0;
+    snprintf(name, sizeof name, "%s%.60s", taken ? "number." : "", number->name);
+    column(columns, name, strcmp(number->unit, "1") == 0 ? "" : number->unit);
+}
+
 static void put_columns(cJSON *columns, const struct study *study, const struct numbers *n)
 {
     column(columns, "trial", "");
@@ -56,7 +76,8 @@ static void put_columns(cJSON *columns, const struct study *study, const struct 
         column(columns, "bracket_low", "");
         column(columns, "bracket_high", "");
     }
-    column(columns, "seed", "");
+    if (seed_is_extra(study))
+        column(columns, "seed", "");
     column(columns, "job", "");
     column(columns, "state", "");
     column(columns, "verdict", "");
@@ -64,7 +85,7 @@ static void put_columns(cJSON *columns, const struct study *study, const struct 
     column(columns, "steps", "");
     column(columns, "wall", "s");
     for (size_t k = 0; k < n->count; k++)
-        column(columns, n->all[k]->name, strcmp(n->all[k]->unit, "1") == 0 ? "" : n->all[k]->unit);
+        number_column(columns, n->all[k]);
 }
 
 static void real(cJSON *row, double value)
@@ -118,7 +139,8 @@ static cJSON *trial_row(const struct study *study, size_t index, const struct nu
     }
     if (search)
         put_bracket(row, study, t);
-    real(row, job ? (double)job->spec.seed : NAN);
+    if (seed_is_extra(study))
+        real(row, job ? (double)job->spec.seed : NAN);
     word(row, job ? job->id : "");
     word(row, job ? job_state_word(job->state) : "lost");
     word(row, job ? scree_verdict_word(job->report.verdict) : "");

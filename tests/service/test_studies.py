@@ -2,12 +2,14 @@
 """Studies through the daemon: what they come to, that killing it loses and repeats
 no trial, and how the client shows them."""
 import base64
+import contextlib
 import csv
 import io
 import json
 import os
 import random
 import signal
+import sqlite3
 import time
 import unittest
 
@@ -15,6 +17,7 @@ import h5py
 import numpy
 
 from raw import PATIENCE_S, Daemon, Refused
+import test_client
 from test_client import Client
 
 # Soft beads, few of them, for a moment: a trial takes a fraction of a second. What has
@@ -272,6 +275,31 @@ class Studies(Client):
         mine = [j["id"] for j in self.ask("list")["jobs"] if j["study"] == study]
         self.assertEqual(sorted(mine), sorted(t["job"] for t in record["trials"]))
 
+    def test_killed_between_two_commits(self):
+        # Submitting a trial and noting that it is one are two commits. A kill between them must not make a
+        # second job of it: the state in between is made by hand.
+        daemon = self.daemon(workers=1)
+        study = self.control.submit({**BISECT, "digits": 1})
+        self.until(lambda: len(self.ask("show", job=study)["trials"]) > 2)
+        daemon.stop(signal.SIGKILL)
+        with contextlib.closing(sqlite3.connect(os.path.join(daemon.data, "journal.db"))) as journal, journal:
+            self.assertEqual(journal.execute("DELETE FROM trials WHERE rowid = (SELECT MAX(rowid) FROM trials)").rowcount, 1)
+        self.daemon(workers=1)
+        record = self.finished(study)
+        self.assertEqual(sorted(t["job"] for t in record["trials"]), sorted(j["id"] for j in self.ask("list")["jobs"]))
+
+    def test_killed_while_it_was_cancelled(self):
+        # The study is cancelled in the journal first: a daemon that ends there must not run its trials.
+        daemon = self.daemon(workers=1)
+        study = self.control.submit({"study": "sweep", "job": {**FLOW, "stop": {"when": []}, "time": {"step_s": 2e-6, "end_s": 1000}},
+                                     "grid": {"seed": [1, 2]}, "at_once": 2})
+        self.until(lambda: self.ask("show", job=study)["jobs"]["running"] == 1)
+        daemon.stop(signal.SIGKILL)
+        with contextlib.closing(sqlite3.connect(os.path.join(daemon.data, "journal.db"))) as journal, journal:
+            journal.execute("UPDATE studies SET state = 'cancelled'")
+        self.daemon(workers=1)
+        self.until(lambda: self.ask("show", job=study)["jobs"]["cancelled"] == 2)
+
     def test_restart_shows_a_finished_study_as_it_was(self):
         daemon = self.daemon(workers=2)
         study = self.control.submit({**BISECT, "digits": 1})
@@ -312,6 +340,8 @@ class Studies(Client):
 
 
 class StudiesInTheClient(Client):
+    on_terminal = test_client.Terminal.on_terminal
+
     def test_run_brings_a_table_and_says_what_it_came_to(self):
         ended = self.scree("run", self.spec(ROOT), "-o", "out")
         self.assertEqual(ended.returncode, 0, ended)
@@ -357,6 +387,41 @@ class StudiesInTheClient(Client):
         self.assertEqual(fetched.stdout, "s1.h5\ns1.csv\n")
         self.assertEqual(self.scree("cancel", study).stdout, "s1 done\n")
         self.assertEqual(self.scree("show", "s2").returncode, 2)
+
+    def test_plot_draws_jobs_and_studies(self):
+        self.start(workers=2)
+        spec = {**FLOW, "record": {"basal_force": {"every_s": 2e-5}}, "time": {"step_s": 2e-6, "end_s": 0.1}}
+        ids = self.scree("submit", self.spec({**BISECT, "digits": 1}, "b.json"), self.spec(SWEEP, "s.json"), self.spec(ROOT, "r.json"),
+                         self.spec(spec, "j.json")).stdout.split()
+        self.assertEqual(self.scree("wait", *ids).returncode, 0)
+        for name in ids:
+            drawn = self.scree("plot", name)
+            self.assertEqual((drawn.returncode, drawn.stdout, drawn.stderr), (0, name + ".png\n", ""))
+            with open(os.path.join(self.work, name + ".png"), "rb") as file:
+                picture = file.read()
+            self.assertEqual((picture[:8], picture[-8:-4]), (b"\x89PNG\r\n\x1a\n", b"IEND"))
+            self.assertGreater(len(picture), 5000)
+        self.assertEqual(self.scree("plot", ids[1], "-o", "x.svg", "--x", "params.speed_m_s", "--y", "restitution").returncode, 0)
+        with open(os.path.join(self.work, "x.svg")) as file:
+            drawn = file.read()
+        for word in ("</svg>", "params.speed_m_s (m/s)", "restitution", "partner plane", "s2  sweep  done  complete"):
+            self.assertIn(word, drawn)
+        self.refused(self.scree("plot", ids[1], "--y", "restituion"), "restituion", '"restitution"')
+        self.refused(self.scree("plot", ids[1], "-o", "x.jpg"), ".png or .svg")
+        self.refused(self.scree("plot", ids[3], "--y", "restitution"), "sweeps")
+        self.refused(self.scree("plot", ids[0], PATH="/nowhere"), "gnuplot", "apt-get install", code=1)
+        self.refused(self.scree("plot", ids[0], "-o", "no/such/folder.png"), "no/such/folder.png")
+
+    def test_progress_table_on_a_terminal(self):
+        # A line for the study, a line for each trial on its way, redrawn in place and gone at the end.
+        spec = {"study": "sweep", "job": {**FLOW, "stop": {"when": []}}, "grid": {"seed": [1, 2, 3, 4, 5, 6]}, "at_once": 2}
+        self.start(workers=2)
+        ended, shown = self.on_terminal("run", self.spec(spec), "-o", "out")
+        self.assertEqual(ended, 0, shown)
+        for word in ("s1 sweep", " of 6 trials", "t ", "seed = "):
+            self.assertIn(word, shown)
+        self.assertIn("\x1b[A", shown)
+        self.assertTrue(shown.rstrip().endswith("\x1b[K"), shown[-80:])
 
 
 if __name__ == "__main__":
