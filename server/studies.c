@@ -13,8 +13,8 @@
  *
  * No trial is lost or run twice by a kill between two commits: the request under
  * which a trial is submitted names study, replica, point and extension
- * ("s3/0.5.1"), and a scheduler that has such a job answers with it. No client can
- * submit under such a name: '/' does not stand in a client's ids.
+ * ("/s3/0.5.1"), and a scheduler that has such a job answers with it. No client can
+ * submit under such a name: none of theirs starts with '/'.
  *
  *   trial's job ends        what happens
  *   bisection, verdict      the point has its answer; perhaps a new round, perhaps others are spared (cancelled)
@@ -345,7 +345,7 @@ static enum scree_status launch(struct studies *s, struct study *study, int repl
     char request[72];
     bool reused;
     struct study_trial trial = {.replica = replica, .point = point, .extension = extension};
-    snprintf(request, sizeof request, "%s/%d.%d.%d", study->id, replica, point, extension);
+    snprintf(request, sizeof request, "/%s/%d.%d.%d", study->id, replica, point, extension);
     enum scree_status status = scheduler_submit(s->scheduler, request, spec, study->again, &trial.job, &reused, err);
     if (status)
         return status;
@@ -619,8 +619,10 @@ struct study *studies_at(struct studies *s, size_t index)
 
 void studies_parent(const struct job *job, char out[JOB_ID_MAX])
 {
-    size_t length = strcspn(job->request, "/");
     *out = 0;
-    if (job->request[0] == 's' && job->request[length] == '/' && length < JOB_ID_MAX)
-        snprintf(out, JOB_ID_MAX, "%.*s", (int)length, job->request);
+    if (job->request[0] != '/')
+        return;
+    size_t length = strcspn(job->request + 1, "/");
+    if (length < JOB_ID_MAX)
+        snprintf(out, JOB_ID_MAX, "%.*s", (int)length, job->request + 1);
 }
