@@ -423,8 +423,8 @@ out:
     if (c->events)
         zmq_close(c->events);
     c->events = NULL;
-    scheduler_close(c->daemon.scheduler); // trials that had just ended are recorded; the studies see it at the next start
-    studies_close(c->daemon.studies);
+    studies_close(c->daemon.studies); // trials that end from here on are looked at when the daemon starts again
+    scheduler_close(c->daemon.scheduler);
     if (c->control)
         zmq_close(c->control);
     if (c->stream)
