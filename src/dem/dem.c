@@ -220,6 +220,7 @@ static void free_part(struct part *part)
     free(part->out);
     free(part->loss);
     free(part->exports);
+    free(part->on_base);
     free(part->ended);
 }
 

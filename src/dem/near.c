@@ -222,7 +222,8 @@ static enum scree_status part_room(struct dem *dem, struct part *part, size_t ke
     enum scree_status status;
     if ((status = memory_grow((void **)&part->active, &part->active_room, kept, sizeof *part->active, err)) ||
         (status = memory_grow((void **)&part->out, &part->out_room, kept, sizeof *part->out, err)) ||
-        (status = memory_grow((void **)&part->exports, &part->export_room, kept, sizeof *part->exports, err)))
+        (status = memory_grow((void **)&part->exports, &part->export_room, kept, sizeof *part->exports, err)) ||
+        (status = memory_grow((void **)&part->on_base, &part->on_base_room, kept, sizeof *part->on_base, err)))
         return status;
     if (!dem->ledger)
         return SCREE_OK;

@@ -67,7 +67,8 @@ struct part {
     struct contact_loss *loss; // NULL without a ledger
     size_t active_count, active_room, out_room, loss_room;
     uint32_t *exports; // touching pairs (index into out) whose second grain lies in a later part
-    size_t export_count, export_room;
+    uint32_t *on_base; // touching pairs (index into out) whose second grain is of the base
+    size_t export_count, export_room, on_base_count, on_base_room;
     uint32_t *ended; // near pairs that stopped touching at this step; with a ledger only
     size_t ended_count, ended_room;
     _Alignas(32) double strayed2[4]; // largest squared change of velocity since the refresh, by component, m2/s2
