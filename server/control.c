@@ -6,6 +6,7 @@
 #include <errno.h>
 #include <poll.h>
 #include <signal.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -343,7 +344,7 @@ static void loop(struct control *c)
 /* SIGTERM and SIGINT while workers finish their slices still end at once. */
 static void *second_signal(void *argument)
 {
-    struct pollfd wait = {.fd = *(int *)argument, .events = POLLIN};
+    struct pollfd wait = {.fd = (int)(intptr_t)argument, .events = POLLIN};
     if (poll(&wait, 1, -1) > 0)
         _exit(1);
     return NULL;
@@ -381,7 +382,7 @@ enum scree_status control_run(const struct config *config, struct scree_error *e
     log_line(LOG_INFO, "listen=%s data=%s workers=%d version=%s", config->listen, config->data, config->workers, scree_build());
     say_ready(config);
     loop(c);
-    if (pthread_create(&watcher, NULL, second_signal, &c->signal_fd) == 0)
+    if (pthread_create(&watcher, NULL, second_signal, (void *)(intptr_t)c->signal_fd) == 0)
         pthread_detach(watcher);
 out:
     streams_close(c->streams);

@@ -85,10 +85,11 @@ struct part {
 
 /* How the pair lists are kept; none of it can change a result. */
 struct near_plan {
-    double skin;     // outer lists hold pairs with a gap below this, m
-    double stray;    // a grain may leave its straight path by this until the refresh, m
-    uint64_t target; // steps between refreshes to aim at
-    bool stale;      // outer lists are to be rebuilt: positions were wrapped or rows reordered
+    double skin;              // outer lists hold pairs with a gap below this, m
+    double stray;             // a grain may leave its straight path by this until the refresh, m
+    uint64_t target;          // steps between refreshes to aim at
+    bool stale;               // outer lists are to be rebuilt: positions were wrapped or rows reordered
+    enum scree_status status; // of the last filling of cells; written by member 0, read behind a barrier
     uint64_t refreshes, rebuilds;
     uint64_t near_pairs, outer_pairs; // summed over refreshes and rebuilds, for reports
 };
