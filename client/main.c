@@ -13,9 +13,9 @@
 #include "signals.h"
 #include "verbs.h"
 
-static const struct verb *const verbs[] = {&verb_run,   &verb_check, &verb_submit,   &verb_list,  &verb_show,      &verb_wait,
-                                           &verb_watch, &verb_tail,  &verb_cancel,   &verb_fetch, &verb_scenarios, &verb_materials,
-                                           &verb_bench, &verb_ping,  &verb_shutdown, NULL};
+static const struct verb *const verbs[] = {&verb_run,       &verb_check, &verb_submit, &verb_list,     &verb_show, &verb_wait,
+                                           &verb_watch,     &verb_tail,  &verb_cancel, &verb_fetch,    &verb_plot, &verb_scenarios,
+                                           &verb_materials, &verb_bench, &verb_ping,   &verb_shutdown, NULL};
 
 /* ---- outcomes (cli.h) ---- */
 

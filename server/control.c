@@ -20,8 +20,9 @@
 #include "log.h"
 #include "requests.h"
 #include "streams.h"
+#include "study_requests.h"
 
-enum { PEER_MAX = 256, FRAMES_MAX = 8, PENDING_MAX = 256, PROGRESS_MS = 200 };
+enum { PEER_MAX = 256, FRAMES_MAX = 8, PENDING_MAX = 256, PROGRESS_MS = 200, STUDY_TURNS = 8 };
 
 /* A fetch whose answer is still to come. */
 struct pending {
@@ -121,15 +122,20 @@ static void send_reply(struct control *c, const void *peer, size_t peer_size, cJ
     free(text);
 }
 
-static void publish(struct control *c, const struct job *job, const char *kind, cJSON *json)
+static void publish_text(struct control *c, const char *topic, cJSON *json)
 {
-    char topic[64];
     char *text = json ? json_print(json, false) : NULL;
     cJSON_Delete(json);
-    snprintf(topic, sizeof topic, "job/%s/%s", job->id, kind);
     if (text && zmq_send(c->events, topic, strlen(topic), ZMQ_SNDMORE | ZMQ_DONTWAIT) >= 0)
         zmq_send(c->events, text, strlen(text), ZMQ_DONTWAIT);
     free(text);
+}
+
+static void publish(struct control *c, const struct job *job, const char *kind, cJSON *json)
+{
+    char topic[64];
+    snprintf(topic, sizeof topic, "job/%s/%s", job->id, kind);
+    publish_text(c, topic, json);
 }
 
 static void publish_heads(struct control *c, const struct job *job)
@@ -182,6 +188,30 @@ static void job_fetched(void *context, uint64_t ticket, const struct job *job, c
         send_reply(c, p->peer, p->peer_size,
                    error ? reply_error(p->id, scree_status_word(error->status), error)
                          : reply_ok(p->id, requests_fetched(job, path)));
+        return;
+    }
+}
+
+static void study_changed(void *context, const struct study *study)
+{
+    struct control *c = context;
+    char topic[64];
+    cJSON *json = cJSON_CreateObject();
+    json_put_text(json, "study", study->id);
+    json_put_text(json, "state", job_state_word(study->state));
+    snprintf(topic, sizeof topic, "job/%s/state", study->id);
+    publish_text(c, topic, json);
+}
+
+static void study_recorded(void *context, const struct record_order *order)
+{
+    struct control *c = context;
+    for (int k = 0; k < PENDING_MAX; k++) {
+        struct pending *p = &c->pending[k];
+        if (p->ticket != order->ticket)
+            continue;
+        p->ticket = 0;
+        send_reply(c, p->peer, p->peer_size, study_recorded_reply(p->id, order));
         return;
     }
 }
@@ -332,6 +362,8 @@ static void loop(struct control *c)
             drain_events(c);
         receive(c);
         scheduler_turn(c->daemon.scheduler);
+        for (int turns = 0; turns < STUDY_TURNS && studies_turn(c->daemon.studies); turns++)
+            scheduler_turn(c->daemon.scheduler); // trials that were submitted start at once
         streams_receive(c->streams);
         more = streams_send(c->streams);
         if (parent_is_gone(c)) {
@@ -375,8 +407,10 @@ enum scree_status control_run(const struct config *config, struct scree_error *e
     sigaddset(&signals, SIGINT);
     c->wake_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     c->signal_fd = signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK);
-    const struct scheduler_watch watch = {.changed = job_changed, .fetched = job_fetched, .context = c};
+    const struct scheduler_watch watch = {.changed = job_changed, .fetched = job_fetched, .recorded = study_recorded, .context = c};
+    const struct studies_watch study_watch = {.changed = study_changed, .context = c};
     if ((status = open_sockets(c, err)) || (status = scheduler_open(&c->daemon.scheduler, config, c->wake_fd, &watch, err)) ||
+        (status = studies_open(&c->daemon.studies, c->daemon.scheduler, config, &study_watch, err)) ||
         (status = streams_open(&c->streams, c->stream, c->daemon.scheduler, err)))
         goto out;
     log_line(LOG_INFO, "listen=%s data=%s workers=%d version=%s", config->listen, config->data, config->workers, scree_build());
@@ -390,7 +424,8 @@ out:
     if (c->events)
         zmq_close(c->events);
     c->events = NULL;
-    scheduler_close(c->daemon.scheduler);
+    scheduler_close(c->daemon.scheduler); // trials that had just ended are recorded; the studies see it at the next start
+    studies_close(c->daemon.studies);
     if (c->control)
         zmq_close(c->control);
     if (c->stream)

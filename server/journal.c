@@ -98,6 +98,11 @@ void journal_close(struct journal *journal)
     free(journal);
 }
 
+sqlite3 *journal_database(struct journal *journal)
+{
+    return journal->db;
+}
+
 static void bind_row(sqlite3_stmt *statement, const struct journal_row *row)
 {
     bind_text(statement, 2, row->state);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What must survive: the journal of jobs, and each job's log of stream chunks.
- * The only files that know SQL are journal.c and this header's promises. */
+ * The only files that know SQL are journal*.c and this header's promises. */
 #ifndef SCREE_SERVER_JOURNAL_H
 #define SCREE_SERVER_JOURNAL_H
 
@@ -23,6 +23,9 @@ struct journal_row {
 
 enum scree_status journal_open(struct journal **out, const char *path, struct scree_error *err);
 void journal_close(struct journal *journal);
+
+/* The open database, for the other files that keep tables in it (journal_studies.c). */
+struct sqlite3 *journal_database(struct journal *journal);
 
 /* Each returns once the change is on disk. Insert fills row->number. */
 enum scree_status journal_insert(struct journal *journal, struct journal_row *row, struct scree_error *err);

@@ -50,6 +50,10 @@ static enum scree_status next_chunk(void *context, const char *stream, uint64_t 
 static void carry_out(struct record_order *order)
 {
     struct reader reader = {.order = order};
+    if (order->write) {
+        order->status = order->write(order, &order->error);
+        return;
+    }
     const struct scree_source source = {.next = next_chunk, .context = &reader};
     const struct scree_result result = {.path = order->path,
                                         .spec_json = order->spec_text,
@@ -129,6 +133,8 @@ struct record_order *recorder_take(struct recorder *recorder)
 
 void record_order_free(struct record_order *order)
 {
+    if (order && order->release)
+        order->release(order->content);
     if (order)
         free(order->spec_text);
     free(order);

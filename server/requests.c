@@ -14,6 +14,7 @@
 
 #include "base/cpu.h"
 #include "protocol/job_json.h"
+#include "study_requests.h"
 
 /* Grain-steps per second assumed by `check`: a flow of some 1,000 grains on one
  * core of a processor of 2021, with records. */
@@ -75,6 +76,9 @@ cJSON *requests_summary(const struct job *job)
     put_time(json, "submitted", job->submitted);
     put_time(json, "started", job->started);
     put_time(json, "ended", job->ended);
+    char study[JOB_ID_MAX];
+    studies_parent(job, study);
+    json_put_text(json, "study", *study ? study : NULL);
     return json;
 }
 
@@ -128,8 +132,6 @@ static enum scree_status read_spec(const cJSON *body, struct job_spec *spec, str
     const cJSON *json = json_get(body, "spec");
     if (!json)
         return scree_fail(err, SCREE_INVALID, "spec", "spec: is missing");
-    if (json_get(json, "study"))
-        return scree_fail(err, SCREE_INVALID, "study", "study: this version runs single jobs; studies are not there yet");
     enum scree_status status = job_decode(json, spec, err);
     return status ? status : job_check(spec, requests_memory(), err);
 }
@@ -200,6 +202,7 @@ static enum scree_status do_list(struct daemon *daemon, const cJSON *body, const
     }
     *result = cJSON_CreateObject();
     json_put(*result, "jobs", jobs);
+    json_put(*result, "studies", study_list(daemon, wanted, (size_t)limit));
     return SCREE_OK;
 }
 
@@ -274,25 +277,17 @@ static enum scree_status do_cancel(struct daemon *daemon, const cJSON *body, con
     return SCREE_OK;
 }
 
-static enum scree_status do_fetch_part(struct daemon *daemon, const cJSON *body, const char *id, cJSON **result,
-                                       struct scree_error *err)
+enum scree_status requests_file_part(const char *id, const char *path, double offset, double bytes, cJSON **result,
+                                     struct scree_error *err)
 {
-    (void)id;
-    struct job *job;
-    char path[CONFIG_PATH_MAX + 64];
-    double offset, bytes;
-    enum scree_status status = find_job(daemon, body, &job, err);
-    if (status || (status = whole_number(body, "offset", 0, 0, 9e15, &offset, err)) ||
-        (status = whole_number(body, "bytes", PART_MAX, 1, PART_MAX, &bytes, err)))
-        return status;
-    scheduler_result_path(daemon->scheduler, job, job_state_ended(job->state), path, sizeof path);
+    enum scree_status status = SCREE_OK;
     int file = open(path, O_RDONLY | O_CLOEXEC);
     struct stat info;
     unsigned char *data = malloc((size_t)bytes);
     char *text = malloc(4 * ((size_t)bytes + 2) / 3 + 8);
     ssize_t size = file >= 0 && data && text && fstat(file, &info) == 0 ? pread(file, data, (size_t)bytes, (off_t)offset) : -1;
     if (size < 0) {
-        status = scree_fail(err, SCREE_NOT_FOUND, "job", "%s has no file to read from: `fetch` comes first", job->id);
+        status = scree_fail(err, SCREE_NOT_FOUND, "job", "%s has no file to read from: `fetch` comes first", id);
     } else {
         base64_encode(data, (size_t)size, text);
         *result = cJSON_CreateObject();
@@ -306,6 +301,21 @@ static enum scree_status do_fetch_part(struct daemon *daemon, const cJSON *body,
     free(data);
     free(text);
     return status;
+}
+
+static enum scree_status do_fetch_part(struct daemon *daemon, const cJSON *body, const char *id, cJSON **result,
+                                       struct scree_error *err)
+{
+    (void)id;
+    struct job *job;
+    char path[CONFIG_PATH_MAX + 64];
+    double offset, bytes;
+    enum scree_status status = find_job(daemon, body, &job, err);
+    if (status || (status = whole_number(body, "offset", 0, 0, 9e15, &offset, err)) ||
+        (status = whole_number(body, "bytes", PART_MAX, 1, PART_MAX, &bytes, err)))
+        return status;
+    scheduler_result_path(daemon->scheduler, job, job_state_ended(job->state), path, sizeof path);
+    return requests_file_part(job->id, path, offset, bytes, result, err);
 }
 
 static enum scree_status do_shutdown(struct daemon *daemon, const cJSON *body, const char *id, cJSON **result,
@@ -350,6 +360,8 @@ enum answer requests_handle(struct daemon *daemon, const struct envelope *envelo
     cJSON *result = NULL;
     enum scree_status status = SCREE_NOT_FOUND;
     size_t k = 0, count = sizeof operations / sizeof *operations;
+    if (study_request_is(envelope->op, body))
+        return study_request(daemon, envelope, body, reply);
     if (strcmp(envelope->op, "fetch") == 0) {
         daemon->tickets++;
         if (!(status = start_fetch(daemon, body, &error)))

@@ -482,6 +482,10 @@ static struct job *by_number(const struct scheduler *s, int64_t number)
 static void look_at_recorder(struct scheduler *s)
 {
     for (struct record_order *order; (order = recorder_take(s->recorder)); record_order_free(order)) {
+        if (order->write) {
+            s->watch.recorded(s->watch.context, order);
+            continue;
+        }
         struct job *job = by_number(s, order->job);
         if (!order->final) {
             s->watch.fetched(s->watch.context, order->ticket, job, order->path, order->status ? &order->error : NULL);
@@ -613,6 +617,16 @@ enum scree_status scheduler_fetch(struct scheduler *s, struct job *job, uint64_t
         return scree_fail(err, SCREE_NOT_FOUND, "job", "%s is %s and has no result", job->id, job_state_word(job->state));
     s->watch.fetched(s->watch.context, ticket, job, path, NULL);
     return SCREE_OK;
+}
+
+void scheduler_record(struct scheduler *s, struct record_order *order)
+{
+    recorder_ask(s->recorder, order);
+}
+
+struct journal *scheduler_journal(struct scheduler *s)
+{
+    return s->journal;
 }
 
 struct job *scheduler_find(struct scheduler *s, const char *id)
