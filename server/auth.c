@@ -122,12 +122,14 @@ static enum scree_status read_server_key(struct auth *auth, struct scree_error *
     snprintf(path, sizeof path, "%s/server.key", auth->config->keys);
     if (!status)
         status = keys_read_pair(path, &auth->key, err);
-    if (status == SCREE_NOT_FOUND)
+    if (status == SCREE_NOT_FOUND) {
+        err->status = status = SCREE_INVALID; // of the options: they ask for a network
         scree_hint(err, "a network endpoint needs a key: SCREE_KEYS=%s scree keygen server", auth->config->keys);
+    }
     if (!status && (zmq_curve_public(public_key, auth->key.secret_key) != 0 || strcmp(public_key, auth->key.public_key) != 0))
         status = scree_fail(err, SCREE_CORRUPT, "keys", "%s: the two keys are not a pair", path);
     if (status)
-        return status == SCREE_NOT_FOUND ? SCREE_INVALID : status;
+        return status;
     return read_list(auth, err);
 }
 
