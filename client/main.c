@@ -13,9 +13,10 @@
 #include "signals.h"
 #include "verbs.h"
 
-static const struct verb *const verbs[] = {&verb_run,       &verb_check, &verb_submit, &verb_list,     &verb_show, &verb_wait,
-                                           &verb_watch,     &verb_tail,  &verb_cancel, &verb_fetch,    &verb_plot, &verb_scenarios,
-                                           &verb_materials, &verb_bench, &verb_ping,   &verb_shutdown, NULL};
+static const struct verb *const verbs[] = {&verb_run,   &verb_check,     &verb_submit,    &verb_list,   &verb_show,
+                                           &verb_wait,  &verb_watch,     &verb_tail,      &verb_cancel, &verb_fetch,
+                                           &verb_plot,  &verb_scenarios, &verb_materials, &verb_bench,  &verb_keygen,
+                                           &verb_trust, &verb_ping,      &verb_shutdown,  NULL};
 
 /* ---- outcomes (cli.h) ---- */
 
@@ -79,8 +80,9 @@ static void print_overview(FILE *file)
         fprintf(file, "  %-10s %s\n", (*verb)->name, (*verb)->doc);
     fputs("\n  scree VERB --help   what a verb takes, with examples\n"
           "  scree --version\n\n"
-          "ENDPOINT is that of a daemon's control socket; without --connect it is $SCREE_CONNECT, else\n"
-          "ipc://RUNTIME/control with RUNTIME = $SCREE_RUNTIME, $XDG_RUNTIME_DIR/scree or /tmp/scree-UID.\n"
+          "ENDPOINT is that of a daemon's control socket, ipc://PATH or tcp://HOST:PORT (scree keygen --help); without\n"
+          "--connect it is $SCREE_CONNECT, else ipc://RUNTIME/control with RUNTIME = $SCREE_RUNTIME, $XDG_RUNTIME_DIR/scree or "
+          "/tmp/scree-UID.\n"
           "--json prints one JSON object a line. Data go to stdout, messages to stderr. NO_COLOR is honoured.\n\n"
           "exit codes: 0 done, 1 the job failed, 2 usage or a refused spec, 3 cancelled, 69 daemon unreachable,\n"
           "75 try again (queue full), 77 not authorised\n",

@@ -20,11 +20,12 @@
 
 static const char help[] =
     "usage: scree bench [--case flow|rest|big | --state FILE] [--slope_deg A] [--steps N] [--warm N]\n"
-    "                   [--threads N] [--isa NAME] [--ledger] [--json]\n"
+    "                   [--tile NXxNY] [--threads N] [--isa NAME] [--ledger] [--json]\n"
     "\n"
     "  --case NAME     flow: 1,000 grains in steady flow at 23.5 deg (default); rest: the same at rest, 5 deg;\n"
     "                  big: the flow tiled to 28,000 grains\n"
     "  --state FILE    a state in plain text: `N Lx Ly`, then `id type radius x y z vx vy vz wx wy wz` a grain\n"
+    "  --tile NXxNY    that many copies of the state side by side (default 1x1; big: 7x4)\n"
     "  --slope_deg A   slope, degrees (default: the case's)\n"
     "  --steps N       timed steps (default: about two seconds' worth)\n"
     "  --warm N        steps before them (default 2000)\n"
@@ -113,6 +114,18 @@ static enum scree_status tile(struct state *state, int nx, int ny, struct scree_
     return SCREE_OK;
 }
 
+/* Memory that the process holds now, bytes; 0 where the system does not say. */
+static double resident_bytes(void)
+{
+    FILE *file = fopen("/proc/self/statm", "r");
+    double pages = 0;
+    if (file && fscanf(file, "%*s %lf", &pages) != 1)
+        pages = 0;
+    if (file)
+        fclose(file);
+    return pages * (double)sysconf(_SC_PAGESIZE);
+}
+
 static enum scree_status make_world(const struct options *o, const struct state *state, struct dem **out, struct scree_error *err)
 {
     double slope = o->slope_deg * (M_PI / 180);
@@ -153,8 +166,8 @@ static enum scree_status print_breakdown(struct dem *dem, uint64_t steps, struct
     return SCREE_OK;
 }
 
-/* The timed part. */
-static enum scree_status run(const struct options *o, const struct state *state, struct scree_error *err)
+/* The timed part; frees the state's grains once the world has its own. */
+static enum scree_status run(const struct options *o, struct state *state, struct scree_error *err)
 {
     struct dem *dem = NULL;
     double set_up = clock_seconds(CLOCK_MONOTONIC);
@@ -162,6 +175,8 @@ static enum scree_status run(const struct options *o, const struct state *state,
     if (status)
         return status;
     set_up = clock_seconds(CLOCK_MONOTONIC) - set_up;
+    free(state->grains); // so that what is resident is the world's
+    state->grains = NULL;
     if ((status = dem_advance(dem, (uint64_t)o->warm, err)))
         goto out;
     long steps = o->steps;
@@ -194,10 +209,11 @@ static enum scree_status run(const struct options *o, const struct state *state,
     if (o->json)
         printf("{\"grain_steps_per_s\":%.17g,\"wall_grain_steps_per_s\":%.17g,\"moving\":%zu,\"fixed\":%zu,\"steps\":%ld,"
                "\"cpu_s\":%.9g,\"wall_s\":%.9g,\"contacts_per_grain\":%.6g,\"near_per_grain\":%.6g,\"outer_per_grain\":%.6g,"
-               "\"refreshes\":%.0f,\"rebuilds\":%.0f,\"isa\":\"%s\",\"threads\":%d,\"hash\":\"%016llx\"}\n",
+               "\"refreshes\":%.0f,\"rebuilds\":%.0f,\"set_up_s\":%.6g,\"resident_bytes\":%.0f,\"isa\":\"%s\",\"threads\":%d,"
+               "\"hash\":\"%016llx\"}\n",
                rate, moving * (double)steps / wall, dem_moving(dem), dem_fixed(dem), steps, cpu, wall,
                (double)after.contacts / moving, (double)after.near / moving, (double)after.outer / moving, refreshes, rebuilds,
-               dem_isa(dem), o->threads, (unsigned long long)dem_hash(dem));
+               set_up, resident_bytes(), dem_isa(dem), o->threads, (unsigned long long)dem_hash(dem));
 out:
     dem_free(dem);
     return status;
@@ -250,11 +266,15 @@ static enum scree_status read_options(struct options *o, int argc, char **argv, 
             return scree_fail(err, SCREE_INVALID, "", "%s: unknown, or its value is missing; see scree bench --help", name);
         const char *text = argv[++k];
         bool good = true;
+        char rest;
         if (strcmp(name, "--case") == 0) {
             status = set_case(o, text, path, size, err);
         } else if (strcmp(name, "--state") == 0) {
             o->state = text;
             o->tiles_x = o->tiles_y = 1;
+        } else if (strcmp(name, "--tile") == 0) {
+            good = sscanf(text, "%dx%d%c", &o->tiles_x, &o->tiles_y, &rest) == 2 && o->tiles_x >= 1 && o->tiles_x <= 1000 &&
+                   o->tiles_y >= 1 && o->tiles_y <= 1000;
         } else if (strcmp(name, "--isa") == 0) {
             o->isa = text;
         } else if (strcmp(name, "--slope_deg") == 0) {
@@ -272,7 +292,7 @@ static enum scree_status read_options(struct options *o, int argc, char **argv, 
             return scree_fail(err, SCREE_INVALID, "", "%s: unknown; see scree bench --help", name);
         }
         if (!good)
-            return scree_fail(err, SCREE_INVALID, "", "%s: \"%s\" is not a number in its range", name, text);
+            return scree_fail(err, SCREE_INVALID, "", "%s: \"%s\" is not a value in its range", name, text);
     }
     return status;
 }

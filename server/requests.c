@@ -13,6 +13,8 @@
 #include <unistd.h>
 
 #include "base/cpu.h"
+#include "gate.h"
+#include "limits.h"
 #include "protocol/job_json.h"
 #include "study_requests.h"
 
@@ -107,8 +109,12 @@ static enum scree_status whole_number(const cJSON *body, const char *key, double
 
 static enum scree_status do_ping(struct daemon *daemon, const cJSON *body, const char *id, cJSON **result, struct scree_error *err)
 {
-    (void)body, (void)id, (void)err;
+    (void)body, (void)id;
     size_t counts[JOB_STATES];
+    char stream[CONFIG_PATH_MAX], events[CONFIG_PATH_MAX];
+    bool outside = daemon->user.network;
+    if (outside && (gate_outer(daemon->config, 1, stream, err) || gate_outer(daemon->config, 2, events, err)))
+        return SCREE_INTERNAL;
     cJSON *jobs = cJSON_CreateObject();
     scheduler_states(daemon->scheduler, counts);
     for (int k = 0; k < JOB_STATES; k++)
@@ -120,8 +126,8 @@ static enum scree_status do_ping(struct daemon *daemon, const cJSON *body, const
     json_put_real(*result, "uptime_s", monotonic() - daemon->started);
     json_put_int(*result, "workers", daemon->config->workers);
     json_put_text(*result, "isa", cpu_isa_name(cpu_best()));
-    json_put_text(*result, "stream_endpoint", daemon->config->stream);
-    json_put_text(*result, "events_endpoint", daemon->config->events);
+    json_put_text(*result, "stream_endpoint", outside ? stream : daemon->config->stream);
+    json_put_text(*result, "events_endpoint", outside ? events : daemon->config->events);
     json_put_text(*result, "data_dir", daemon->config->data);
     json_put(*result, "jobs", jobs);
     return SCREE_OK;
@@ -163,8 +169,11 @@ static enum scree_status do_submit(struct daemon *daemon, const cJSON *body, con
     struct job_spec spec;
     struct job *job;
     bool reused;
+    char request[LIMITS_REQUEST_MAX];
+    limits_request(&daemon->user, id, request);
     enum scree_status status = read_spec(body, &spec, err);
-    if (status || (status = scheduler_submit(daemon->scheduler, id, &spec, json_bool(body, "again", false), &job, &reused, err)))
+    if (status || (status = limits_check_jobs(daemon->config, daemon->scheduler, &daemon->user, request, err)) ||
+        (status = scheduler_submit(daemon->scheduler, request, &spec, json_bool(body, "again", false), &job, &reused, err)))
         return status;
     *result = cJSON_CreateObject();
     json_put_text(*result, "job", job->id);

@@ -3,6 +3,7 @@
 #ifndef SCREE_SERVER_REQUESTS_H
 #define SCREE_SERVER_REQUESTS_H
 
+#include "auth.h"
 #include "config.h"
 #include "protocol/frame.h"
 #include "studies.h"
@@ -14,6 +15,7 @@ struct daemon {
     double started; // monotonic seconds
     bool ending;    // a shutdown was asked for
     uint64_t tickets;
+    struct user user; // who sent the request that is being carried out
 };
 
 enum answer { ANSWER_NOW, ANSWER_LATER };

@@ -11,7 +11,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-enum { SPIN = 2000 }; // pauses, some tens of microseconds
+enum { SPIN = 10000 }; // pauses, some hundreds of microseconds: a wake-up takes as long on a virtual machine
 
 struct member {
     struct team *team;

@@ -154,7 +154,8 @@ enum scree_status dem_start(const struct dem_setup *setup, size_t moving, size_t
         dem_free(dem);
         return status;
     }
-    memcpy(dem->walls, setup->walls, setup->wall_count * sizeof *dem->walls);
+    if (setup->wall_count)
+        memcpy(dem->walls, setup->walls, setup->wall_count * sizeof *dem->walls);
     dem->wall_count = setup->wall_count;
     dem->kernels = kernels_for(dem->isa);
     *out = dem;
@@ -220,6 +221,7 @@ static void free_part(struct part *part)
     free(part->out);
     free(part->loss);
     free(part->exports);
+    free(part->on_base);
     free(part->ended);
 }
 

@@ -163,7 +163,7 @@ static enum scree_status plan_horizon(struct dem *dem, double fastest, uint64_t 
 
 static enum scree_status near_room(struct near_list *near, size_t need, struct scree_error *err)
 {
-    size_t padded = (need + 3) / 4 * 4;
+    size_t padded = need ? (need + 3) / 4 * 4 : 4; // so that the arrays exist
     if (padded <= near->room)
         return SCREE_OK;
     size_t room[5] = {near->room, near->room, near->room, near->room, (near->room + 63) / 64};
@@ -222,7 +222,8 @@ static enum scree_status part_room(struct dem *dem, struct part *part, size_t ke
     enum scree_status status;
     if ((status = memory_grow((void **)&part->active, &part->active_room, kept, sizeof *part->active, err)) ||
         (status = memory_grow((void **)&part->out, &part->out_room, kept, sizeof *part->out, err)) ||
-        (status = memory_grow((void **)&part->exports, &part->export_room, kept, sizeof *part->exports, err)))
+        (status = memory_grow((void **)&part->exports, &part->export_room, kept, sizeof *part->exports, err)) ||
+        (status = memory_grow((void **)&part->on_base, &part->on_base_room, kept, sizeof *part->on_base, err)))
         return status;
     if (!dem->ledger)
         return SCREE_OK;
@@ -281,13 +282,14 @@ void near_refresh(struct dem *dem, int member)
     if (plan->stale || use > 0.5 * plan->skin) {
         team_barrier(dem->team); // everybody has read plan->stale
         if (member == 0) {
-            enum scree_status status = cells_fill(dem->cells, dem, 2 * dem->largest_radius + plan->skin, &part->error);
-            part->status = part->status ? part->status : status;
+            plan->status = cells_fill(dem->cells, dem, 2 * dem->largest_radius + plan->skin, &part->error);
             plan->stale = false;
             plan->rebuilds++;
         }
         team_barrier(dem->team);
-        if (!dem->parts[0].status && !part->status)
+        if (!part->status)
+            part->status = plan->status; // member 0 has the message
+        if (!part->status)
             part->status = cells_pairs(dem->cells, dem, part, plan->skin, &part->error);
         memcpy(dem->position0[part->from], dem->position[part->from], (part->to - part->from) * sizeof *dem->position0);
     }

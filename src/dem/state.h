@@ -67,7 +67,8 @@ struct part {
     struct contact_loss *loss; // NULL without a ledger
     size_t active_count, active_room, out_room, loss_room;
     uint32_t *exports; // touching pairs (index into out) whose second grain lies in a later part
-    size_t export_count, export_room;
+    uint32_t *on_base; // touching pairs (index into out) whose second grain is of the base
+    size_t export_count, export_room, on_base_count, on_base_room;
     uint32_t *ended; // near pairs that stopped touching at this step; with a ledger only
     size_t ended_count, ended_room;
     _Alignas(32) double strayed2[4]; // largest squared change of velocity since the refresh, by component, m2/s2
@@ -84,10 +85,11 @@ struct part {
 
 /* How the pair lists are kept; none of it can change a result. */
 struct near_plan {
-    double skin;     // outer lists hold pairs with a gap below this, m
-    double stray;    // a grain may leave its straight path by this until the refresh, m
-    uint64_t target; // steps between refreshes to aim at
-    bool stale;      // outer lists are to be rebuilt: positions were wrapped or rows reordered
+    double skin;              // outer lists hold pairs with a gap below this, m
+    double stray;             // a grain may leave its straight path by this until the refresh, m
+    uint64_t target;          // steps between refreshes to aim at
+    bool stale;               // outer lists are to be rebuilt: positions were wrapped or rows reordered
+    enum scree_status status; // of the last filling of cells; written by member 0, read behind a barrier
     uint64_t refreshes, rebuilds;
     uint64_t near_pairs, outer_pairs; // summed over refreshes and rebuilds, for reports
 };

@@ -48,15 +48,16 @@ static void drift(struct dem *dem, struct part *part)
     dem->kernels->drift(dem->position, dem->velocity, part->from, part->to, kick, dt);
 }
 
-/* Touching pairs whose second grain another part must kick. */
-static void list_exports(const struct dem *dem, struct part *part)
+/* Touching pairs that others look at after this member: those whose second grain
+ * another part must kick, and those whose second grain is of the base. */
+static void list_shared(const struct dem *dem, struct part *part)
 {
-    part->export_count = 0;
-    if (dem->part_count == 1)
-        return;
+    part->export_count = part->on_base_count = 0;
     for (size_t k = 0; k < part->active_count; k++) {
         size_t j = part->near.second[part->active[k]] & IMAGE_ROW;
-        if (j >= part->to && j < dem->moving)
+        if (j >= dem->moving)
+            part->on_base[part->on_base_count++] = (uint32_t)k;
+        else if (j >= part->to)
             part->exports[part->export_count++] = (uint32_t)k;
     }
 }
@@ -72,7 +73,7 @@ static void contacts(struct dem *dem, struct part *part)
     batch.active_count = part->active_count;
     clock_phase(dem, part, DEM_SEARCH);
     dem->law->pairs[dem->isa](&dem->coefs, &batch);
-    list_exports(dem, part);
+    list_shared(dem, part);
     walls_contacts(dem, part);
 }
 
@@ -123,13 +124,11 @@ static void account_ended(struct dem *dem, const struct part *part)
 
 static void account_pairs(struct dem *dem, const struct part *part)
 {
-    for (size_t k = 0; k < part->active_count; k++) {
-        if ((part->near.second[part->active[k]] & IMAGE_ROW) >= dem->moving)
-            for (int a = 0; a < 3; a++)
-                dem->base_sum[a] += part->out[k].force[a];
-        if (dem->ledger)
-            add_loss(dem->lost, &part->loss[k]);
-    }
+    for (size_t k = 0; k < part->on_base_count; k++)
+        for (int a = 0; a < 3; a++)
+            dem->base_sum[a] += part->out[part->on_base[k]].force[a];
+    for (size_t k = 0; k < part->active_count && dem->ledger; k++)
+        add_loss(dem->lost, &part->loss[k]);
 }
 
 static void account_walls(struct dem *dem, const struct part *part)
