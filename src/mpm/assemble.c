@@ -19,6 +19,7 @@
 #include "mpm/state.h"
 
 #define MASS_FLOOR  1e-7
+#define BURIED      1e-3 // of a cell's volume
 #define BLOCK_FLOOR 1e-9 // of the largest eigenvalue of K
 
 /* The cells round a node: its corner number there is s. Calls for each that exists. */
@@ -187,7 +188,11 @@ static void scale_row(struct mpm *mpm, size_t r, double block[TENSOR], double of
 /* Room to fill up, per time (eq. A13's k, with the sign of section 2.3 and over d): negative where there is too much. */
 static double filling_rate(const struct mpm *mpm, const int place[3], double volume)
 {
-    double missing = rigid_room(mpm, place) - volume;
+    double room = rigid_room(mpm, place);
+    /* A node buried in a body: the few points that rounding or a corner brought there are the contacts' business. */
+    if (room < BURIED * mpm->grid.cell_volume)
+        room += mpm->grid.cell_volume;
+    double missing = room - volume;
     if (missing >= 0)
         return missing / mpm->step_s;
     return mpm->recover_s > 0 ? missing / fmax(mpm->recover_s, mpm->step_s) : 0;
