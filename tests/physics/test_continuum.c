@@ -123,7 +123,7 @@ struct slide {
 /* A stiff block (its own mu is 3) on a floor of friction mu, gravity turned by an angle. */
 static struct slide slide(double angle, double mu, bool plane, uint64_t steps)
 {
-    const struct mpm_region region = {{0.03, 0.01, 0}, {0.15, 0.03, 0.03}};
+    const struct mpm_region region = {{0.03, 0, 0}, {0.15, 0.04, 0.03}};
     struct mpm_setup s = continuum_box(22, plane ? 0 : 4, 5, &region);
     s.walls[MPM_Z_LOW] = (struct mpm_wall){MPM_FRICTION, .mu = mu};
     s.coefs.mu = 3;
