@@ -263,7 +263,7 @@ void assemble_floor_force(const struct mpm *mpm, double force[3])
     }
     for (size_t k = 0; k < mpm->contact_count; k++)
         for (int a = 0; a < 3 && mpm->contacts[k].owner == MPM_Z_LOW; a++)
-            force[a] -= mpm->contacts[k].push[a] / mpm->contacts[k].scale;
+            force[a] -= mpm->contacts[k].force[a];
     for (int x = 0; x < grid_layers(g, 0); x++)
         for (int y = 0; y < grid_layers(g, 1); y++) {
             size_t n = grid_node(g, x, y, 0);

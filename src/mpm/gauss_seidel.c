@@ -203,6 +203,8 @@ static void finish(struct mpm *mpm, int member)
         tensor_rotate_back(parts, (const double(*)[3])q, stress);
         stress[6] = row->alpha;
         stress[7] = mpm->grain_diameter * mpm->strain[r][0] * sqrt(mpm->inertial_density / fmax(mpm->strain[r][1], floor));
+        for (uint32_t k = row->contact; k < row->contact + row->contacts; k++)
+            mpm->contacts[k].force = mpm->contacts[k].push / v4_all(mpm->contacts[k].scale);
         double scale = mpm->scale[row->node];
         if (scale > 0)
             for (int a = 0; a < 3; a++)

@@ -30,6 +30,7 @@ struct contact {
     v4 normal;   // into the material
     v4 velocity; // of the wall, over the node's scale
     v4 push;     // what the contact has added to the node's w
+    v4 force;    // N: push over scale, kept from the end of one step to the start of the next
     double mu, scale;
     uint32_t node, owner; // owner: face or MPM_FACES + body
 };

@@ -91,6 +91,24 @@ static size_t cell_of(const struct grid *g, const double position[4])
     return grid_cell(g, grid_cell_along(g, 0, position[0]), grid_cell_along(g, 1, position[1]), grid_cell_along(g, 2, position[2]));
 }
 
+/* Rows for the points, and room among the movers for a quarter of them: a step moves a point by a fraction of a cell. */
+enum scree_status points_room(struct mpm *mpm, size_t count, struct scree_error *err)
+{
+    mpm->points = count;
+    mpm->position = memory_rows(count, sizeof *mpm->position);
+    mpm->spare_position = memory_rows(count, sizeof *mpm->spare_position);
+    mpm->id = memory_rows(count, sizeof *mpm->id);
+    mpm->spare_id = memory_rows(count, sizeof *mpm->spare_id);
+    bool made = mpm->position && mpm->spare_position && mpm->id && mpm->spare_id;
+    for (int k = 0; k < mpm->part_count && made; k++) {
+        struct member_part *part = &mpm->parts[k];
+        part->mover_room = count / (4 * (size_t)mpm->part_count) + 4096;
+        part->movers = memory_rows(part->mover_room, sizeof *part->movers);
+        made = part->movers != NULL;
+    }
+    return made ? SCREE_OK : scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for %zu material points", count);
+}
+
 static void generate(struct mpm *mpm, const struct mpm_setup *setup, double (*position)[4])
 {
     size_t p = 0;
@@ -130,13 +148,9 @@ enum scree_status points_fill(struct mpm *mpm, const struct mpm_setup *setup, st
     }
     if (count == 0 || count >= UINT32_MAX)
         return scree_fail(err, SCREE_INVALID, "regions", "%zu material points: a world holds 1 to %u", count, UINT32_MAX - 1);
-    mpm->points = count;
-    mpm->position = memory_rows(count, sizeof *mpm->position);
-    mpm->spare_position = memory_rows(count, sizeof *mpm->spare_position);
-    mpm->id = memory_rows(count, sizeof *mpm->id);
-    mpm->spare_id = memory_rows(count, sizeof *mpm->spare_id);
-    if (!mpm->position || !mpm->spare_position || !mpm->id || !mpm->spare_id)
-        return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for %zu material points", count);
+    enum scree_status status = points_room(mpm, count, err);
+    if (status)
+        return status;
     generate(mpm, setup, mpm->spare_position);
     mpm->total_volume = 0;
     for (size_t p = 0; p < count; p++) {

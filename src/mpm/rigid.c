@@ -116,7 +116,7 @@ static void add_contact(struct mpm *mpm, size_t node, uint32_t owner, const doub
                                                (mpm->last_contacts[*seen].node == node && mpm->last_contacts[*seen].owner < owner)))
         ++*seen;
     if (*seen < mpm->last_contact_count && mpm->last_contacts[*seen].node == node && mpm->last_contacts[*seen].owner == owner)
-        c->push = mpm->last_contacts[*seen].push * v4_all(scale / mpm->last_contacts[*seen].scale);
+        c->push = mpm->last_contacts[*seen].force * v4_all(scale);
 }
 
 static void node_contacts(struct mpm *mpm, size_t node, const int place[3], size_t *seen)

@@ -99,6 +99,7 @@ struct mpm {
 /* points.c: first points of the regions; the pass that carries and deposits all of
  * them (every member calls it; meets at barriers inside). */
 enum scree_status points_fill(struct mpm *mpm, const struct mpm_setup *setup, struct scree_error *err);
+enum scree_status points_room(struct mpm *mpm, size_t count, struct scree_error *err);
 void points_move(struct mpm *mpm, int member);
 void points_share(struct mpm *mpm); // cuts the cells into the members' shares
 
