@@ -226,6 +226,8 @@ static void fill_row(struct mpm *mpm, size_t r)
     tensor_rotate(mpm->stress[n], (const double(*)[3])q, turned);
     row->stress_d = v4_set(turned[0], turned[1], turned[2], 0);
     row->stress_o = v4_set(turned[3], turned[4], turned[5], 0);
+    row->last_d = row->stress_d;
+    row->last_o = row->stress_o;
     row->alpha = mpm->stress[n][6];
     row->mu = mpm->law->friction(&mpm->coefs, mpm->stress[n][7]);
     mpm->friction[n] = row->mu;

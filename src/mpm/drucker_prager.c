@@ -179,7 +179,7 @@ enum phase drucker_prager_solve(const double k[TENSOR], const double b[TENSOR], 
     v4 kd = v4_set(e[0], plane ? 1 : e[1], e[2], 1);
     v4 ko = v4_set(0.5 * (kd[1] + kd[2]), 0.5 * (kd[2] + kd[0]), 0.5 * (kd[0] + kd[1]), 1);
     v4 diagonal, off;
-    int state = local_solve(local_axes(plane), kd, ko, v4_set(r[0], r[1], r[2], 0), v4_set(r[3], r[4], r[5], 0), mu, &alpha,
+    int state = local_solve(local_axes(plane), kd, ko, v4_set(r[0], r[1], r[2], 0), v4_set(r[3], r[4], r[5], 0), mu, 0, &alpha,
                             &diagonal, &off, &stalls);
     for (int a = 0; a < 3; a++) {
         out[a] = diagonal[a];

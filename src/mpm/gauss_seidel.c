@@ -8,11 +8,10 @@
  * The slabs follow from the grid, hence the same bits on any number of threads,
  * and nearly the convergence of a plain sweep, which 27 colours would not have.
  *
- * Between sweeps the state is extrapolated along its last change (Nesterov), with
- * the weight started anew whenever the sweep turned back on it. Scaled velocities
- * are linear in stresses and pushes, so all three take the same weight and stay
- * consistent; their dot product is that of the energy. A stress may leave its cone
- * by extrapolation: the row's next visit does not look at it. The last sweep is a plain one. */
+ * Between sweeps the state is extrapolated along its last change (Nesterov).
+ * Scaled velocities are linear in stresses and pushes, so all three take the same
+ * weight and stay consistent. A stress may leave its cone by extrapolation: the
+ * row's next visit does not look at it. The last sweep is a plain one. */
 #include <math.h>
 #include <string.h>
 
@@ -52,7 +51,7 @@ static void exert_slab(struct mpm *mpm, int member, size_t s)
 
 static void sweep_slab(struct mpm *mpm, int member, size_t s)
 {
-    mpm->parts[member].stalls += mpm->kernels->sweep(&mpm->field, mpm->slab_row[s], mpm->slab_row[s + 1], 0);
+    mpm->parts[member].stalls += mpm->kernels->sweep(&mpm->field, mpm->slab_row[s], mpm->slab_row[s + 1], mpm->weight);
 }
 
 static struct row_look look_at(const struct mpm *mpm, bool strain)
@@ -91,68 +90,15 @@ static struct mpm_residual residual(struct mpm *mpm, int member)
 
 /* ---- extrapolation ---- */
 
-static double dot3(const double a[4], const double b[4])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-/* (start - now) . (now - last) over one slab's nodes: positive when the sweep went back on the extrapolation. */
-static void dot_slab(struct mpm *mpm, int member, size_t s)
-{
-    (void)member;
-    double sum = 0;
-    for (size_t r = mpm->slab_row[s]; r < mpm->slab_row[s + 1]; r++) {
-        size_t n = mpm->rows[r].node;
-        double back[4], along[4];
-        for (int a = 0; a < 3; a++) {
-            back[a] = mpm->w_start[n][a] - mpm->w[n][a];
-            along[a] = mpm->w[n][a] - mpm->w_last[n][a];
-        }
-        sum += dot3(back, along);
-    }
-    mpm->slab_dots[s] = sum;
-}
-
-static void extrapolate_rows(struct mpm *mpm, size_t from, size_t to, double beta)
-{
-    for (size_t r = from; r < to; r++) {
-        struct row *row = &mpm->rows[r];
-        v4 b = v4_all(beta), d = row->stress_d, o = row->stress_o, w = v4_load(mpm->w[row->node]);
-        row->stress_d = d + b * (d - mpm->stress_last[r][0]);
-        row->stress_o = o + b * (o - mpm->stress_last[r][1]);
-        mpm->stress_last[r][0] = d;
-        mpm->stress_last[r][1] = o;
-        v4 start = w + b * (w - v4_load(mpm->w_last[row->node]));
-        v4_store(mpm->w[row->node], start);
-        v4_store(mpm->w_start[row->node], start);
-        v4_store(mpm->w_last[row->node], w);
-        for (uint32_t k = row->contact; k < row->contact + row->contacts; k++) {
-            v4 push = mpm->contacts[k].push;
-            mpm->contacts[k].push = push + b * (push - mpm->push_last[k]);
-            mpm->push_last[k] = push;
-        }
-    }
-}
-
-/* Notes the state that the first sweep starts from, or extrapolates from it: weight 0 does both. */
-static void extrapolate(struct mpm *mpm, int member, double beta)
+/* Velocities here, all at once; stresses and pushes when the sweep comes to them. */
+static void extrapolate(struct mpm *mpm, int member, double weight)
 {
     size_t from = member_share(mpm->row_count, member, mpm->part_count);
     size_t to = member_share(mpm->row_count, member + 1, mpm->part_count);
-    extrapolate_rows(mpm, from, to, beta);
+    mpm->kernels->extrapolate(&mpm->field, from, to, weight, mpm->w_last);
+    if (member == 0)
+        mpm->weight = weight;
     team_barrier(mpm->team);
-}
-
-static bool turned_back(struct mpm *mpm, int member)
-{
-    each_slab(mpm, member, 0, dot_slab);
-    each_slab(mpm, member, 1, dot_slab);
-    team_barrier(mpm->team);
-    double sum = 0;
-    for (size_t s = 0; s < mpm->slab_count; s++)
-        if (mpm->slab_row[s] < mpm->slab_row[s + 1])
-            sum += mpm->slab_dots[s];
-    return sum > 0;
 }
 
 /* Nesterov's weights: t grows, beta = (t - 1) / t', up to a limit: friction is not
@@ -187,8 +133,8 @@ static void finish(struct mpm *mpm, int member)
     size_t to = member_share(mpm->row_count, member + 1, mpm->part_count);
     struct row_look look = look_at(mpm, true);
     mpm->kernels->look(&mpm->field, from, to, &look);
-    double weight = sqrt(dot3((const double[4]){mpm->gravity[0], mpm->gravity[1], mpm->gravity[2]},
-                              (const double[4]){mpm->gravity[0], mpm->gravity[1], mpm->gravity[2]}));
+    const double *g = mpm->gravity;
+    double weight = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
     double floor = 1e-6 * mpm->density * fmax(weight * mpm->grid.spacing[2], 1e-12); // below, there is no pressure to speak of
     for (size_t r = from; r < to; r++) {
         const struct row *row = &mpm->rows[r];
@@ -221,8 +167,7 @@ void gauss_seidel(struct mpm *mpm, int member)
     struct weights weights = {1, WEIGHT_LIMIT, INFINITY};
     all_slabs(mpm, member, exert_slab);
     mpm_clock(mpm, member, MPM_PREPARE);
-    if (how->accelerate)
-        extrapolate(mpm, member, 0);
+    extrapolate(mpm, member, 0); // notes where the first sweep starts
     while (sweeps < how->sweeps) {
         all_slabs(mpm, member, sweep_slab);
         sweeps++;
@@ -237,12 +182,9 @@ void gauss_seidel(struct mpm *mpm, int member)
             weights_see(&weights, left.mean);
             team_barrier(mpm->team); // nobody sweeps while others still look
         }
-        if (how->accelerate) {
-            if (turned_back(mpm, member))
-                weights.t = 1;
+        if (how->accelerate)
             extrapolate(mpm, member, weights_next(&weights));
-            mpm_clock(mpm, member, MPM_EXTRAPOLATE);
-        }
+        mpm_clock(mpm, member, MPM_EXTRAPOLATE);
     }
     team_barrier(mpm->team);
     finish(mpm, member);

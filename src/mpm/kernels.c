@@ -11,6 +11,9 @@
 
 #include "mpm/local.h"
 
+/* A visit solves its row to this squared, relatively: far below what the next visits of its neighbours change. */
+#define LOCAL_NEAR 1e-4
+
 /* A 3 x 3 matrix as columns whose lanes are rows. */
 struct columns {
     v4 c0, c1, c2;
@@ -124,17 +127,34 @@ SIMD_INLINE void visit_contacts(const struct field *f, const struct row *row)
     v4_store(f->w[row->node], w);
 }
 
-SIMD_INLINE unsigned visit(const struct field *f, struct local_axes axes, size_t r)
+/* Nobody else reads a row's stress or a contact's push, so they are extrapolated when their turn comes. */
+SIMD_INLINE void advance_row(const struct field *f, struct row *row, double weight)
+{
+    v4 b = v4_all(weight), d = row->stress_d, o = row->stress_o;
+    row->stress_d = d + b * (d - row->last_d);
+    row->stress_o = o + b * (o - row->last_o);
+    row->last_d = d;
+    row->last_o = o;
+    for (uint32_t k = 0; k < row->contacts; k++) {
+        struct contact *c = &f->contacts[row->contact + k];
+        v4 push = c->push;
+        c->push = push + b * (push - c->last);
+        c->last = push;
+    }
+}
+
+SIMD_INLINE unsigned visit(const struct field *f, struct local_axes axes, size_t r, double weight)
 {
     struct row *row = &f->rows[r];
     const double *c = f->coupling + r * f->coupling_stride;
     unsigned stalls = 0;
+    advance_row(f, row, weight);
     if (row->contacts)
         visit_contacts(f, row);
     v4 gd, go, ld, lo;
     turn_in(gather(f, row, c), (const double(*)[4])row->basis, &gd, &go);
     v4 bd = (gd + row->offset_d - row->kd * row->stress_d) * axes.on, bo = go + row->offset_o - row->ko * row->stress_o;
-    row->phase = (uint32_t)local_solve(axes, row->kd, row->ko, bd, bo, row->mu, &row->alpha, &ld, &lo, &stalls);
+    row->phase = (uint32_t)local_solve(axes, row->kd, row->ko, bd, bo, row->mu, LOCAL_NEAR, &row->alpha, &ld, &lo, &stalls);
     v4 dd = ld - row->stress_d, dof = lo - row->stress_o;
     row->stress_d = ld;
     row->stress_o = lo;
@@ -146,17 +166,24 @@ SIMD_INLINE unsigned visit(const struct field *f, struct local_axes axes, size_t
     return stalls;
 }
 
-static unsigned sweep(const struct field *f, size_t from, size_t to, int backwards)
+static unsigned sweep(const struct field *f, size_t from, size_t to, double weight)
 {
     struct local_axes axes = local_axes(f->plane);
     unsigned stalls = 0;
-    if (backwards)
-        for (size_t r = to; r-- > from;)
-            stalls += visit(f, axes, r);
-    else
-        for (size_t r = from; r < to; r++)
-            stalls += visit(f, axes, r);
+    for (size_t r = from; r < to; r++)
+        stalls += visit(f, axes, r, weight);
     return stalls;
+}
+
+static void extrapolate(const struct field *f, size_t from, size_t to, double weight, double (*last)[4])
+{
+    v4 b = v4_all(weight);
+    for (size_t r = from; r < to; r++) {
+        size_t n = f->rows[r].node;
+        v4 w = v4_load(f->w[n]);
+        v4_store(f->w[n], w + b * (w - v4_load(last[n])));
+        v4_store(last[n], w);
+    }
 }
 
 static void exert(const struct field *f, size_t from, size_t to)
@@ -379,4 +406,4 @@ static size_t move_cells(struct move *move, size_t from, size_t to)
     return to;
 }
 
-const struct kernels KERNELS = {.sweep = sweep, .exert = exert, .look = look, .move = move_cells};
+const struct kernels KERNELS = {.sweep = sweep, .extrapolate = extrapolate, .exert = exert, .look = look, .move = move_cells};

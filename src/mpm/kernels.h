@@ -19,6 +19,7 @@ struct row {
     v4 kd, ko;                        // k_a and (k_b + k_c)/2, m3/(Pa s)
     v4 offset_d, offset_o;            // what gamma has without any velocity: room to fill up, moving walls, m3/s
     v4 stress_d, stress_o;            // lambda, Pa
+    v4 last_d, last_o;                // lambda after the sweep before the last, for extrapolation
     double basis[3][4];               // eigenvectors, basis[grid axis][number]
     double mu, alpha, trace;          // friction coefficient; last root of the row; trace of the block
     uint32_t node, contact, contacts; // contact rows of the same node
@@ -30,6 +31,7 @@ struct contact {
     v4 normal;   // into the material
     v4 velocity; // of the wall, over the node's scale
     v4 push;     // what the contact has added to the node's w
+    v4 last;     // push after the sweep before the last
     v4 force;    // N: push over scale, kept from the end of one step to the start of the next
     double mu, scale;
     uint32_t node, owner; // owner: face or MPM_FACES + body
@@ -88,8 +90,11 @@ struct move {
 };
 
 struct kernels {
-    /* Visits rows [from, to) in order (or backwards): contacts of the node, then its stress. Returns roots not found. */
-    unsigned (*sweep)(const struct field *field, size_t from, size_t to, int backwards);
+    /* Visits rows [from, to) in order: extrapolates what the row and its node's contacts exert by `weight` of their last
+     * change (w has been already), then solves contacts and row. Returns roots not found. */
+    unsigned (*sweep)(const struct field *field, size_t from, size_t to, double weight);
+    /* w += weight (w - last), and last = w as it was, at the nodes of rows [from, to). */
+    void (*extrapolate)(const struct field *field, size_t from, size_t to, double weight, double (*last)[4]);
     /* Adds what rows [from, to) and their contacts now exert to w. */
     void (*exert)(const struct field *field, size_t from, size_t to);
     struct row_sums (*look)(const struct field *field, size_t from, size_t to, const struct row_look *look);

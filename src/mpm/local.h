@@ -71,47 +71,66 @@ SIMD_INLINE struct local_point local_at(struct local_axes axes, v4 kd, v4 ko, v4
 }
 
 enum { LOCAL_NEWTON_MAX = 80 };
+#define LOCAL_EXACT 1e-13 // relative distance from the cone that rounding leaves
 
-/* The root alpha. `start` > 0 is a guess; `at` holds lambda on return. Returns
- * alpha, negated if the steps ran out (never seen; the caller counts). */
-SIMD_INLINE double local_root(struct local_axes axes, v4 kd, v4 ko, v4 bd, v4 bo, double mu, double start, struct local_point *at)
+/* Derivatives along alpha of the linear system above, and Newton's next alpha:
+ * negative where the inverse form has no value. */
+struct local_slope {
+    v4 diagonal, off;
+    double next;
+};
+SIMD_INLINE struct local_slope local_newton(struct local_axes axes, const struct local_point *p, double mu, double alpha)
 {
-    double low = 0, high = INFINITY, alpha = start;
-    double mean_k = v4_sum3(kd) * axes.inverse;
+    struct local_slope s;
+    double bound = mu * p->trace * axes.inverse;
+    double trace_rate = -v4_sum3(p->deviator * p->inverse_d) / (axes.inverse * p->share);
+    s.diagonal = (v4_all(trace_rate * axes.inverse * alpha + p->trace * axes.inverse) - p->diagonal) * p->inverse_d;
+    s.off = -p->off * p->inverse_o;
+    double norm_rate = (0.5 * v4_sum3(p->deviator * s.diagonal) + v4_sum3(p->off * s.off)) / p->norm;
+    /* h = 1/norm - 1/bound, and its slope, both times norm * bound. */
+    double slope = -norm_rate * bound / p->norm + mu * trace_rate * axes.inverse * p->norm / bound;
+    s.next = bound > 0 ? alpha - (bound - p->norm) / slope : -1;
+    return s;
+}
+
+/* The root alpha from a guess `start` > 0; `at` holds lambda on return. Static rows
+ * end at alpha = 0. Within a relative distance `near` of the cone the last step is taken along the slope.
+ * Returns alpha, or -1 - alpha if the steps ran out (rows with a hopelessly thin K; the caller counts). */
+SIMD_INLINE double local_root(struct local_axes axes, v4 kd, v4 ko, v4 bd, v4 bo, double mu, double start, double near,
+                              struct local_point *at)
+{
+    double low = -1, high = INFINITY, alpha = start; // low = -1: nothing known of alpha = 0 yet
     for (int step = 0; step < LOCAL_NEWTON_MAX; step++) {
-        struct local_point p = local_at(axes, kd, ko, bd, bo, alpha);
-        *at = p;
-        double bound = mu * p.trace * axes.inverse, excess = p.norm - bound;
-        if (fabs(excess) <= 1e-13 * p.norm || p.norm == 0)
+        *at = local_at(axes, kd, ko, bd, bo, alpha);
+        double excess = at->norm - mu * at->trace * axes.inverse;
+        if (fabs(excess) <= LOCAL_EXACT * at->norm || at->norm == 0 || (alpha == 0 && excess < 0))
             return alpha;
         if (excess > 0)
             low = alpha;
         else
             high = alpha;
-        double next = -1;
-        if (bound > 0) {
-            /* Derivatives along alpha of the linear system above. */
-            double trace_rate = -v4_sum3(p.deviator * p.inverse_d) / (axes.inverse * p.share);
-            v4 rate_d = (v4_all(alpha * trace_rate * axes.inverse) - p.deviator) * p.inverse_d;
-            v4 rate_o = -p.off * p.inverse_o;
-            double norm_rate = (0.5 * v4_sum3(p.deviator * rate_d) + v4_sum3(p.off * rate_o)) / p.norm;
-            double h = 1 / p.norm - 1 / bound;
-            double slope = -norm_rate / (p.norm * p.norm) + mu * trace_rate * axes.inverse / (bound * bound);
-            next = alpha - h / slope;
+        struct local_slope slope = local_newton(axes, at, mu, alpha);
+        double next = slope.next;
+        if (fabs(excess) <= near * at->norm && next > 0) { // lambda is linear over so short a way, to near squared
+            at->diagonal += v4_all(next - alpha) * slope.diagonal;
+            at->off += v4_all(next - alpha) * slope.off;
+            return next;
         }
-        if (!(next > low && next < high))
-            next = high < INFINITY ? 0.5 * (low + high) : 2 * low + mean_k;
+        if (low < 0 && !(next > 0 && next < high))
+            next = 0; // is it static?
+        else if (!(next > low && next < high))
+            next = high < INFINITY ? 0.5 * (fmax(low, 0) + high) : 2 * low + v4_sum3(kd * axes.on) * axes.inverse;
         if (next == alpha)
             return alpha; // the bracket has no number left inside
         alpha = next;
     }
-    return -alpha;
+    return -1 - alpha;
 }
 
 /* Solves the row. Returns 0 gas, 1 static, 2 flowing (enum phase); *alpha is the
- * last root of this row (a good start for the next visit) and is updated. */
-SIMD_INLINE int local_solve(struct local_axes axes, v4 kd, v4 ko, v4 bd, v4 bo, double mu, double *alpha, v4 *diagonal, v4 *off,
-                            unsigned *stalls)
+ * last root of this row (a good start for the next visit; 0 when it was static) and is updated. */
+SIMD_INLINE int local_solve(struct local_axes axes, v4 kd, v4 ko, v4 bd, v4 bo, double mu, double near, double *alpha, v4 *diagonal,
+                            v4 *off, unsigned *stalls)
 {
     const v4 zero = {0, 0, 0, 0};
     double trace_b = v4_sum3(bd);
@@ -124,23 +143,20 @@ SIMD_INLINE int local_solve(struct local_axes axes, v4 kd, v4 ko, v4 bd, v4 bo, 
         *off = zero;
         return 2;
     }
-    struct local_point p = local_at(axes, kd, ko, bd, bo, 0);
-    int state = 1;
-    if (p.norm > mu * p.trace * axes.inverse) {
-        double start = *alpha;
-        if (!(start > 0)) { // as if K were isotropic
-            double mean_k = v4_sum3(kd * axes.on) * axes.inverse;
-            double bound = -mu * trace_b / v4_sum3(kd * axes.on);
-            start = mean_k * fmax(p.norm / bound - 1, 1e-3);
-        }
-        double root = local_root(axes, kd, ko, bd, bo, mu, start, &p);
-        *stalls += root < 0;
-        *alpha = fabs(root);
-        state = 2;
+    struct local_point p;
+    double start = *alpha;
+    if (!(start > 0)) {
+        p = local_at(axes, kd, ko, bd, bo, 0);
+        double bound = -mu * trace_b / v4_sum3(kd * axes.on);
+        if (p.norm > mu * p.trace * axes.inverse) // outside: as if K were isotropic
+            start = v4_sum3(kd * axes.on) * axes.inverse * fmax(p.norm / bound - 1, 1e-3);
     }
+    double root = start > 0 ? local_root(axes, kd, ko, bd, bo, mu, start, near, &p) : 0;
+    *stalls += root < 0;
+    *alpha = root < 0 ? -1 - root : root;
     *diagonal = p.diagonal;
     *off = p.off;
-    return state;
+    return root > 0 ? 2 : 1;
 }
 
 /* |f_MFB(gamma, lambda)|^2 (eqs A4, A5, A9) from the parts of both tensors in any common basis. */

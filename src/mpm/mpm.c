@@ -107,8 +107,7 @@ static enum scree_status make_nodes(struct mpm *mpm, struct scree_error *err)
     mpm->stress = memory_rows(nodes, sizeof *mpm->stress);
     mpm->friction = memory_rows(nodes, sizeof *mpm->friction);
     mpm->w_last = memory_rows(nodes, sizeof *mpm->w_last);
-    mpm->w_start = memory_rows(nodes, sizeof *mpm->w_start);
-    return mpm->volume && mpm->scale && mpm->w && mpm->velocity && mpm->stress && mpm->friction && mpm->w_last && mpm->w_start
+    return mpm->volume && mpm->scale && mpm->w && mpm->velocity && mpm->stress && mpm->friction && mpm->w_last
                ? SCREE_OK
                : no_memory(err, "nodes", nodes);
 }
@@ -132,15 +131,12 @@ static enum scree_status make_rows(struct mpm *mpm, struct scree_error *err)
     mpm->coupling = memory_rows(most, f->coupling_stride * sizeof *mpm->coupling);
     mpm->floor_coupling = memory_rows(most, sizeof *mpm->floor_coupling);
     mpm->strain = memory_rows(most, sizeof *mpm->strain);
-    mpm->stress_last = memory_rows(most, sizeof *mpm->stress_last);
     mpm->slab_row = memory_rows(mpm->slab_count + 1, sizeof *mpm->slab_row);
     mpm->slab_sums = memory_rows(mpm->slab_count, sizeof *mpm->slab_sums);
-    mpm->slab_dots = memory_rows(mpm->slab_count, sizeof *mpm->slab_dots);
     mpm->contacts = memory_rows(contacts, sizeof *mpm->contacts);
     mpm->last_contacts = memory_rows(contacts, sizeof *mpm->last_contacts);
-    mpm->push_last = memory_rows(contacts, sizeof *mpm->push_last);
-    if (!mpm->rows || !mpm->coupling || !mpm->floor_coupling || !mpm->strain || !mpm->stress_last || !mpm->slab_row ||
-        !mpm->slab_sums || !mpm->slab_dots || !mpm->contacts || !mpm->last_contacts || !mpm->push_last)
+    if (!mpm->rows || !mpm->coupling || !mpm->floor_coupling || !mpm->strain || !mpm->slab_row || !mpm->slab_sums ||
+        !mpm->contacts || !mpm->last_contacts)
         return no_memory(err, "rows", most);
     f->rows = mpm->rows;
     f->coupling = mpm->coupling;
@@ -223,18 +219,14 @@ static void free_nodes(struct mpm *mpm)
     free(mpm->stress);
     free(mpm->friction);
     free(mpm->w_last);
-    free(mpm->w_start);
     free(mpm->rows);
     free(mpm->coupling);
     free(mpm->floor_coupling);
     free(mpm->strain);
-    free(mpm->stress_last);
     free(mpm->slab_row);
     free(mpm->slab_sums);
-    free(mpm->slab_dots);
     free(mpm->contacts);
     free(mpm->last_contacts);
-    free(mpm->push_last);
 }
 
 void mpm_free(struct mpm *mpm)

@@ -153,7 +153,7 @@ enum scree_status mpm_view(struct mpm *mpm, struct mpm_view *view, struct scree_
 
 enum mpm_phase { MPM_ASSEMBLE, MPM_PREPARE, MPM_SWEEP, MPM_RESIDUAL, MPM_EXTRAPOLATE, MPM_MOVE, MPM_SORT, MPM_PHASES };
 struct mpm_profile {
-    double seconds[MPM_PHASES]; // of member 0
+    double seconds[MPM_PHASES]; // of member 0's processor time
 };
 /* From now on seconds are added to *profile, which the caller keeps; NULL ends it. */
 void mpm_profile(struct mpm *mpm, struct mpm_profile *profile);

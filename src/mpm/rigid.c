@@ -117,6 +117,7 @@ static void add_contact(struct mpm *mpm, size_t node, uint32_t owner, const doub
         ++*seen;
     if (*seen < mpm->last_contact_count && mpm->last_contacts[*seen].node == node && mpm->last_contacts[*seen].owner == owner)
         c->push = mpm->last_contacts[*seen].force * v4_all(scale);
+    c->last = c->push;
 }
 
 static void node_contacts(struct mpm *mpm, size_t node, const int place[3], size_t *seen)

@@ -74,10 +74,8 @@ struct mpm {
     size_t contact_count, last_contact_count;
 
     /* Extrapolation between sweeps. */
-    double (*w_last)[4], (*w_start)[4];
-    v4 (*stress_last)[2]; // by row
-    v4 *push_last;        // by contact
-    double *slab_dots;
+    double (*w_last)[4]; // by node, after the sweep before the last
+    double weight;       // of this sweep's extrapolation
 
     struct team *team;
     struct member_part *parts;

@@ -20,15 +20,20 @@ size_t member_share(size_t count, int member, int members)
     return count * (size_t)member / (size_t)members;
 }
 
+static double thread_seconds(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
 void mpm_clock(struct mpm *mpm, int member, enum mpm_phase phase)
 {
     if (!mpm->profile || member != 0)
         return;
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    double seconds = (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-    mpm->profile->seconds[phase] += seconds - mpm->phase_began;
-    mpm->phase_began = seconds;
+    double now = thread_seconds();
+    mpm->profile->seconds[phase] += now - mpm->phase_began;
+    mpm->phase_began = now;
 }
 
 static void account(struct mpm *mpm)
@@ -100,11 +105,8 @@ static void slice_member(void *context, int member)
 enum scree_status mpm_advance(struct mpm *mpm, uint64_t steps, struct scree_error *err)
 {
     struct slice slice = {.mpm = mpm, .steps = steps, .err = err};
-    if (mpm->profile) {
-        struct timespec now;
-        clock_gettime(CLOCK_MONOTONIC, &now);
-        mpm->phase_began = (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-    }
+    if (mpm->profile)
+        mpm->phase_began = thread_seconds();
     team_run(mpm->team, slice_member, &slice);
     return slice.status;
 }
