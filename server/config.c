@@ -38,6 +38,8 @@ const struct config_option config_options[] = {
      "256", CONFIG_NUMBER, AT(max_connections), 16, 16384},
     {"handshake-s", "N", "seconds within which a connection must have proved who it is", "5", CONFIG_NUMBER, AT(handshake_s), 1,
      60},
+    {"stall-s", "N", "seconds after which a running job that does not move stops the service manager's watchdog from being fed",
+     "1800", CONFIG_NUMBER, AT(stall_s), 1, 1000000},
     {"ready-fd", "N", "write \"ready\" to file descriptor N once clients can connect", "none", CONFIG_NUMBER, AT(ready_fd), 0,
      1 << 20},
     {"parent", "PID", "end when process PID ends", "none", CONFIG_NUMBER, AT(parent), 1, 1 << 30},
@@ -51,14 +53,19 @@ static enum scree_status set_text(char *out, const char *value, const char *name
     return SCREE_OK;
 }
 
-static enum scree_status set_number(int *out, const char *value, const char *name, long low, long high, struct scree_error *err)
+static enum scree_status set_number(char *field, const char *value, const struct config_option *o, struct scree_error *err)
 {
     char *end;
     errno = 0;
-    long number = strtol(value, &end, 10);
-    if (errno || *end || end == value || number < low || number > high)
-        return scree_fail(err, SCREE_INVALID, name, "%s: \"%s\" is not a whole number in %ld..%ld", name, value, low, high);
-    *out = (int)number;
+    double number = strtod(value, &end);
+    bool whole = o->kind == CONFIG_NUMBER;
+    if (errno || *end || end == value || !(number >= o->low && number <= o->high) || (whole && number != (double)(int)number))
+        return scree_fail(err, SCREE_INVALID, o->name, "%s: \"%s\" is not a %snumber in %.10g..%.10g", o->name, value,
+                          whole ? "whole " : "", o->low, o->high);
+    if (whole)
+        *(int *)(void *)field = (int)number;
+    else
+        *(double *)(void *)field = number;
     return SCREE_OK;
 }
 
@@ -78,8 +85,7 @@ static enum scree_status set_option(struct config *config, const char *name, con
         if (o->offset == offsetof(struct config, listen))
             return set_listen(config, value, err);
         char *field = (char *)config + o->offset;
-        return o->kind == CONFIG_TEXT ? set_text(field, value, name, err)
-                                      : set_number((int *)(void *)field, value, name, o->low, o->high, err);
+        return o->kind == CONFIG_TEXT ? set_text(field, value, name, err) : set_number(field, value, o, err);
     }
     return scree_fail(err, SCREE_INVALID, name, "unknown option \"%s\"; screed --help lists them", name);
 }
@@ -190,6 +196,7 @@ enum scree_status config_read(struct config *config, int argc, char **argv, stru
                               .max_fetches = 8,
                               .max_streams = 256,
                               .max_connections = 256,
+                              .stall_s = 1800,
                               .handshake_s = 5};
     enum scree_status status = SCREE_OK;
     /* The file first, so that options override it wherever it stands. */

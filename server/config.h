@@ -21,6 +21,7 @@ struct config {
     char keys[CONFIG_PATH_MAX];             // folder of server.key and trusted
     int max_jobs, max_fetches, max_streams; // of one user from the network
     int max_connections;                    // from the network, over all three sockets
+    int stall_s;                            // without progress of a job, before the watchdog is let go
     int handshake_s;                        // within which a connection must have proved who it is
     int ready_fd;                           // -1: none
     int parent;                             // end when this process does; 0: none
@@ -28,14 +29,14 @@ struct config {
 };
 
 /* An option: of the command line as `--name`, of the config file as `name = value`. */
-enum config_kind { CONFIG_TEXT, CONFIG_NUMBER };
+enum config_kind { CONFIG_TEXT, CONFIG_NUMBER, CONFIG_REAL }; // char[CONFIG_PATH_MAX], int, double
 struct config_option {
     const char *name, *argument;
     const char *doc;      // what it does, and its unit
     const char *standard; // what holds when it is not given, for people
     enum config_kind kind;
     size_t offset; // in struct config
-    long low, high;
+    double low, high;
 };
 /* Ends with a name of NULL. */
 extern const struct config_option config_options[];

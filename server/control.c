@@ -20,6 +20,7 @@
 #include "gate.h"
 #include "limits.h"
 #include "log.h"
+#include "notify.h"
 #include "requests.h"
 #include "streams.h"
 #include "study_requests.h"
@@ -41,6 +42,7 @@ struct control {
     struct streams *streams;
     struct auth *auth;
     struct gate *gate; // NULL without a network
+    struct notify *notify;
     int wake_fd, signal_fd, signals;
     struct pending pending[PENDING_MAX];
     struct timespec last_progress;
@@ -417,6 +419,7 @@ static void loop(struct control *c)
             scheduler_turn(c->daemon.scheduler); // trials that were submitted start at once
         streams_receive(c->streams);
         more = streams_send(c->streams);
+        notify_turn(c->notify, c->daemon.scheduler);
         if (parent_is_gone(c)) {
             log_line(LOG_INFO, "parent=%d is gone, ending", c->daemon.config->parent);
             c->daemon.ending = true;
@@ -460,14 +463,17 @@ enum scree_status control_run(const struct config *config, struct scree_error *e
     c->signal_fd = signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK);
     const struct scheduler_watch watch = {.changed = job_changed, .fetched = job_fetched, .recorded = study_recorded, .context = c};
     const struct studies_watch study_watch = {.changed = study_changed, .context = c};
-    if ((status = open_sockets(c, err)) || (status = scheduler_open(&c->daemon.scheduler, config, c->wake_fd, &watch, err)) ||
+    if ((status = notify_open(&c->notify, config->stall_s, err)) || (status = open_sockets(c, err)) ||
+        (status = scheduler_open(&c->daemon.scheduler, config, c->wake_fd, &watch, err)) ||
         (status = studies_open(&c->daemon.studies, c->daemon.scheduler, config, &study_watch, err)) ||
         (status = streams_open(&c->streams, c->stream, c->daemon.scheduler, c->auth, config->max_streams, err)))
         goto out;
     log_line(LOG_INFO, "listen=%s network=%s data=%s workers=%d version=%s", config->listen,
              *config->network ? config->network : "none", config->data, config->workers, scree_build());
     say_ready(config);
+    notify_ready(c->notify);
     loop(c);
+    notify_stopping(c->notify);
     if (pthread_create(&watcher, NULL, second_signal, (void *)(intptr_t)c->signal_fd) == 0)
         pthread_detach(watcher);
 out:
@@ -484,6 +490,7 @@ out:
     if (c->stream)
         zmq_close(c->stream);
     auth_close(c->auth);
+    notify_close(c->notify);
     if (c->context)
         zmq_ctx_term(c->context);
     if (!status)

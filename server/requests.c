@@ -14,6 +14,7 @@
 
 #include "base/cpu.h"
 #include "gate.h"
+#include "health.h"
 #include "limits.h"
 #include "protocol/job_json.h"
 #include "study_requests.h"
@@ -33,15 +34,7 @@ static double monotonic(void)
 
 double requests_memory(void)
 {
-    char line[128];
-    double kilobytes = 0;
-    FILE *file = fopen("/proc/meminfo", "r");
-    while (file && fgets(line, sizeof line, file))
-        if (sscanf(line, "MemAvailable: %lf", &kilobytes) == 1)
-            break;
-    if (file)
-        fclose(file);
-    return 0.8 * 1024 * kilobytes;
+    return 0.8 * health_memory_available();
 }
 
 static void put_time(cJSON *json, const char *key, double unix_seconds)
@@ -105,20 +98,15 @@ static enum scree_status whole_number(const cJSON *body, const char *key, double
     return scree_fail(err, SCREE_INVALID, key, "%s: a whole number in %.0f..%.0f is expected", key, low, high);
 }
 
-/* ---- operations: each makes *result or fails ---- */
+/* ---- operations: each makes *result or fails; `id` is the request's, with its user's name before it ---- */
 
 static enum scree_status do_ping(struct daemon *daemon, const cJSON *body, const char *id, cJSON **result, struct scree_error *err)
 {
     (void)body, (void)id;
-    size_t counts[JOB_STATES];
     char stream[CONFIG_PATH_MAX], events[CONFIG_PATH_MAX];
     bool outside = daemon->user.network;
     if (outside && (gate_outer(daemon->config, 1, stream, err) || gate_outer(daemon->config, 2, events, err)))
         return SCREE_INTERNAL;
-    cJSON *jobs = cJSON_CreateObject();
-    scheduler_states(daemon->scheduler, counts);
-    for (int k = 0; k < JOB_STATES; k++)
-        json_put_int(jobs, job_state_word((enum job_state)k), (long long)counts[k]);
     *result = cJSON_CreateObject();
     json_put_text(*result, "version", scree_build());
     json_put_text(*result, "protocol", PROTOCOL_VERSION);
@@ -129,7 +117,8 @@ static enum scree_status do_ping(struct daemon *daemon, const cJSON *body, const
     json_put_text(*result, "stream_endpoint", outside ? stream : daemon->config->stream);
     json_put_text(*result, "events_endpoint", outside ? events : daemon->config->events);
     json_put_text(*result, "data_dir", daemon->config->data);
-    json_put(*result, "jobs", jobs);
+    json_put_text(*result, "role", role_word(daemon->user.role));
+    health_put(*result, daemon->config, daemon->scheduler);
     return SCREE_OK;
 }
 
@@ -169,11 +158,9 @@ static enum scree_status do_submit(struct daemon *daemon, const cJSON *body, con
     struct job_spec spec;
     struct job *job;
     bool reused;
-    char request[LIMITS_REQUEST_MAX];
-    limits_request(&daemon->user, id, request);
     enum scree_status status = read_spec(body, &spec, err);
-    if (status || (status = limits_check_jobs(daemon->config, daemon->scheduler, &daemon->user, request, err)) ||
-        (status = scheduler_submit(daemon->scheduler, request, &spec, json_bool(body, "again", false), &job, &reused, err)))
+    if (status || (status = limits_check_jobs(daemon->config, daemon->scheduler, &daemon->user, id, err)) ||
+        (status = scheduler_submit(daemon->scheduler, id, &spec, json_bool(body, "again", false), &job, &reused, err)))
         return status;
     *result = cJSON_CreateObject();
     json_put_text(*result, "job", job->id);
@@ -385,7 +372,9 @@ enum answer requests_handle(struct daemon *daemon, const struct envelope *envelo
         *reply = reply_error(envelope->id, "bad_request", &error);
         return ANSWER_NOW;
     }
-    status = operations[k].carry_out(daemon, body, envelope->id, &result, &error);
+    char request[LIMITS_REQUEST_MAX];
+    limits_request(&daemon->user, envelope->id, request);
+    status = operations[k].carry_out(daemon, body, request, &result, &error);
     *reply = status ? reply_error(envelope->id, scree_status_word(status), &error) : reply_ok(envelope->id, result);
     return ANSWER_NOW;
 }
