@@ -324,7 +324,7 @@ class Hostile(Keyed):
 
     def setUp(self):
         super().setUp()
-        self.daemon = self.start("--max-connections", "64", "--handshake-s", "2")
+        self.daemon = self.start("--max-connections", "64", "--handshake-s", "3")
         self.friend = self.control(self.user("friend", "view"))
         self.friend.ask("ping")
         self.before = memory_kib(self.daemon.process.pid)
@@ -348,7 +348,7 @@ class Hostile(Keyed):
                 return True
         return False
 
-    def assert_unharmed(self, grown_kib=4096):
+    def assert_unharmed(self, grown_kib=16384):
         """The friend is served as before, quickly, over the same connection and a new one."""
         worst = 0
         for _ in range(20):
@@ -386,7 +386,7 @@ class Hostile(Keyed):
             text = text[1:] or b"\0"
             closed = closed or self.is_closed(peer, 0.2)
         self.assertTrue(closed)
-        self.assertLess(time.monotonic() - start, 6)
+        self.assertLess(time.monotonic() - start, 7)
         self.assert_unharmed()
 
     def test_garbage_is_cut_off(self):
@@ -402,17 +402,18 @@ class Hostile(Keyed):
         self.assert_unharmed()
 
     def test_oversize_frames_before_the_handshake_cost_nothing(self):
-        # ZeroMQ alone would take 2 MiB from each, a frame that it has announced.
+        # ZeroMQ alone would take 2 MiB from each, a frame that it has announced, and wait for its end:
+        # these are gone long before the deadline of their handshakes.
+        peers = []
         for claim in (1 << 20, 2 << 20, 1 << 40, (1 << 63) - 1):
             for flags in (b"\x02", b"\x06"):
-                peer = self.connect()
+                peers.append((self.connect(), claim, flags))
                 try:
-                    peer.sendall(greeting() + flags + struct.pack(">Q", claim))
-                    for _ in range(64):
-                        peer.sendall(bytes(1 << 14))
+                    peers[-1][0].sendall(greeting() + flags + struct.pack(">Q", claim) + bytes(1 << 14))
                 except OSError:
                     pass
-                self.assertTrue(self.is_closed(peer, 6), (claim, flags))
+        for peer, claim, flags in peers:
+            self.assertTrue(self.is_closed(peer, 1.5), (claim, flags))
         self.assert_unharmed()
 
     def test_endless_multipart_frames_cost_nothing(self):
@@ -440,7 +441,7 @@ class Hostile(Keyed):
             peer.send_multipart([b"SC1", b'{"id":"a","op":"ping"}', b"{}"])
         time.sleep(1)
         self.assertFalse(any(peer.poll(0) for peer in peers))
-        self.assert_unharmed(grown_kib=8192)
+        self.assert_unharmed()
 
     def test_closing_and_opening_without_pause(self):
         # Descriptors are given back; a stale event meets no new connection.
