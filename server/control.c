@@ -477,7 +477,6 @@ enum scree_status control_run(const struct config *config, struct scree_error *e
     if (pthread_create(&watcher, NULL, second_signal, (void *)(intptr_t)c->signal_fd) == 0)
         pthread_detach(watcher);
 out:
-    gate_close(c->gate);
     streams_close(c->streams);
     c->streams = NULL;
     if (c->events)
@@ -493,6 +492,7 @@ out:
     notify_close(c->notify);
     if (c->context)
         zmq_ctx_term(c->context);
+    gate_close(c->gate);
     if (!status)
         log_line(LOG_INFO, "ended");
     close(c->wake_fd);

@@ -6,6 +6,7 @@
 
 #include <arpa/inet.h>
 #include <errno.h>
+#include <math.h>
 #include <netdb.h>
 #include <netinet/tcp.h>
 #include <pthread.h>
@@ -29,7 +30,8 @@ enum {
     GREETING_BYTES = 64,      // of ZMTP 3
     WATCHED_BYTES = 1 << 10,  // of the daemon's side, in which READY must come
     ACCEPTS_PER_S = 500,
-    SWEEP_MS = 250
+    SWEEP_MS = 250,
+    CLOSING_S = 1
 };
 
 struct way { // bytes on their way from one end to the other
@@ -359,19 +361,32 @@ static void sweep(struct gate *g, double now)
     }
 }
 
+/* Nobody is let in any more. */
+static void shut(struct gate *g)
+{
+    for (int k = 0; k < GATE_SOCKETS; k++)
+        epoll_ctl(g->epoll_fd, EPOLL_CTL_DEL, g->listeners[k], NULL);
+    epoll_ctl(g->epoll_fd, EPOLL_CTL_DEL, g->stop_fd, NULL);
+}
+
 static void *gate_main(void *argument)
 {
     struct gate *g = argument;
-    for (;;) {
+    for (double end = INFINITY; g->count > 0 || end == INFINITY;) {
         struct epoll_event events[64];
         /* Listeners stay ready while their share of the second is used up: then the turn waits for the next share. */
         int count = epoll_wait(g->epoll_fd, events, 64, SWEEP_MS);
         double now = monotonic();
         bool starved = false;
+        if (now > end)
+            break;
         for (int k = 0; k < count; k++) {
             uint64_t what = events[k].data.u64;
-            if (what == UINT64_MAX)
-                return NULL;
+            if (what == UINT64_MAX) {
+                shut(g);
+                end = now + CLOSING_S;
+                continue;
+            }
             if (what < GATE_SOCKETS) {
                 accept_some(g, (int)what, now);
                 starved |= g->tokens < 1;
@@ -387,6 +402,7 @@ static void *gate_main(void *argument)
         if (starved && count < 8)
             usleep(2000);
     }
+    return NULL;
 }
 
 /* Every passage takes two descriptors here and one in ZeroMQ. */

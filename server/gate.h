@@ -27,7 +27,7 @@ enum scree_status gate_outer(const struct config *config, int index, char out[CO
 
 /* Listens on config->network and the two ports after it. */
 enum scree_status gate_open(struct gate **out, const struct config *config, struct scree_error *err);
-/* Drops every connection. */
+/* When the daemon has closed its ends: what it sent last still goes out, for a second at most; then drops every connection. */
 void gate_close(struct gate *gate);
 
 #endif
