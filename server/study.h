@@ -20,9 +20,9 @@ struct study_trial {
 struct study {
     int64_t number;
     char id[JOB_ID_MAX];
-    char request[72];
-    enum job_state state; // queued, running, done, failed or cancelled
-    char *spec_text;      // resolved, one line; owned
+    char request[JOB_REQUEST_MAX]; // of its submit; NAME/ before it if a user from the network sent it
+    enum job_state state;          // queued, running, done, failed or cancelled
+    char *spec_text;               // resolved, one line; owned
     struct study_plan plan;
     bool again, readable; // readable: this version understands the spec
     double submitted, started, ended;
