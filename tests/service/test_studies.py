@@ -368,6 +368,13 @@ class StudiesInTheClient(Client):
         self.assertEqual(json.loads(again.stdout), answer)
         self.refused(self.scree("check", self.spec(SWEEP), "--set", "replicas=0"), "replicas: 0 is outside 1..64")
 
+    def test_scenarios_tells_of_studies(self):
+        shown = self.scree("scenarios", "bisect").stdout
+        for word in ("raise_low_when", "seed 000 S4.3", "Required: over, low, high, raise_low_when.", "replica_seeds"):
+            self.assertIn(word, shown)
+        fields = json.loads(self.scree("--json", "scenarios", "root").stdout)
+        self.assertEqual((fields["name"], fields["required"]), ("root", ["over", "low", "high", "number", "target"]))
+
     def test_verbs_take_studies(self):
         self.start()
         study = self.scree("submit", self.spec(SWEEP)).stdout.strip()
