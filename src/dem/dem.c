@@ -291,6 +291,11 @@ void dem_set_gravity(struct dem *dem, const double gravity[3])
     dem->start_potential = order_potential(dem) + dem->wrapped_work - before;
 }
 
+void dem_set_material(struct dem *dem, const struct material_spec *material)
+{
+    dem->law->coefs(material, dem->step_s, &dem->coefs);
+}
+
 struct dem_counts dem_counts(const struct dem *dem)
 {
     struct dem_counts counts = {.refreshes = dem->plan.refreshes, .rebuilds = dem->plan.rebuilds};
