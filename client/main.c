@@ -26,6 +26,7 @@ enum outcome outcome_of_status(enum scree_status status)
         return OUTCOME_DONE;
     case SCREE_INVALID:
     case SCREE_NOT_FOUND:
+    case SCREE_CONFLICT: // a job that has ended cannot be steered
     case SCREE_NO_MEMORY: // a world too large for the machine is a spec that is refused
         return OUTCOME_REFUSED;
     case SCREE_BUSY:

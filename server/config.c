@@ -25,12 +25,16 @@ const char config_help[] =
     "                     (default: $SCREE_RUNTIME, $XDG_RUNTIME_DIR/scree, /tmp/scree-UID)\n"
     "  --data DIR         journal and jobs (default: $SCREE_DATA, $XDG_DATA_HOME/scree, ~/.local/share/scree)\n"
     "  --workers N        jobs that run at once (default: one a processor)\n"
+    "  --checkpoint-s S   wall time between checkpoints of a running job (default: 60; 0: only when it is steered)\n"
+    "  --disk-floor GB    free disk space below which jobs are held (default: 1, or a twentieth of a small disk)\n"
+    "  --memory GB        memory for all worlds together; a job that does not fit is held (default: what is free)\n"
+    "  --log FILE         append the log to FILE, opened again at SIGHUP (default: stderr)\n"
     "  --ready-fd N       write \"ready\" to file descriptor N once clients can connect\n"
     "  --parent PID       end when process PID ends\n"
     "  --help, --version\n"
     "\n"
-    "Runs in the foreground and logs to stderr. SIGTERM ends it after the current slices; a second one at once.\n"
-    "Jobs that were running go on at the next start.\n"
+    "Runs in the foreground and logs to stderr. SIGTERM ends it after the current slices and a checkpoint of each job,\n"
+    "within ten seconds; a second one at once. Jobs that were running go on at the next start.\n"
     "\n"
     "example: screed --data ./data --workers 2 &\n"
     "         scree submit client/examples/slidequake.json\n";
@@ -53,8 +57,26 @@ static enum scree_status set_number(int *out, const char *value, const char *nam
     return SCREE_OK;
 }
 
+static enum scree_status set_real(double *out, const char *value, const char *name, double high, struct scree_error *err)
+{
+    char *end;
+    double number = strtod(value, &end);
+    if (*end || end == value || !(number >= 0 && number <= high))
+        return scree_fail(err, SCREE_INVALID, name, "%s: \"%s\" is not a number in 0..%g", name, value, high);
+    *out = number;
+    return SCREE_OK;
+}
+
 static enum scree_status set_option(struct config *config, const char *name, const char *value, struct scree_error *err)
 {
+    if (strcmp(name, "checkpoint-s") == 0)
+        return set_real(&config->checkpoint_s, value, name, 1e6, err);
+    if (strcmp(name, "disk-floor") == 0)
+        return set_real(&config->disk_floor_gb, value, name, 1e9, err);
+    if (strcmp(name, "memory") == 0)
+        return set_real(&config->memory_gb, value, name, 1e9, err);
+    if (strcmp(name, "log") == 0)
+        return set_text(config->log, value, name, err);
     if (strcmp(name, "listen") == 0)
         return set_text(config->listen, value, name, err);
     if (strcmp(name, "runtime") == 0)
@@ -164,7 +186,8 @@ static enum scree_status finish(struct config *config, struct scree_error *err)
 enum scree_status config_read(struct config *config, int argc, char **argv, struct scree_error *err)
 {
     long processors = sysconf(_SC_NPROCESSORS_ONLN);
-    *config = (struct config){.workers = processors > 0 ? (int)processors : 1, .ready_fd = -1};
+    *config = (struct config){
+        .workers = processors > 0 ? (int)processors : 1, .checkpoint_s = 60, .disk_floor_gb = -1, .memory_gb = -1, .ready_fd = -1};
     enum scree_status status = SCREE_OK;
     /* The file first, so that options override it wherever it stands. */
     for (int pass = 0; pass < 2; pass++)

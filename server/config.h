@@ -15,8 +15,12 @@ struct config {
     char stream[CONFIG_PATH_MAX], events[CONFIG_PATH_MAX];
     char data[CONFIG_PATH_MAX]; // journal.db, jobs/
     int workers;
-    int ready_fd; // -1: none
-    int parent;   // end when this process does; 0: none
+    double checkpoint_s;       // wall time between checkpoints of a running job, 0: only at steering
+    double disk_floor_gb;      // free space below which jobs are held; negative: 1 GB, or a twentieth of a small disk
+    double memory_gb;          // that all worlds together may take; negative: what the machine has free
+    char log[CONFIG_PATH_MAX]; // file, "": stderr
+    int ready_fd;              // -1: none
+    int parent;                // end when this process does; 0: none
     bool help, version;
 };
 

@@ -225,6 +225,24 @@ static size_t value_size(const struct field *row)
     return 0;
 }
 
+/* Of a group and a switch only what they are, not their parts. */
+static bool row_same(const struct field *row, const void *a, const void *b)
+{
+    return row->type == FIELD_TEXT ? strcmp(a, b) == 0 : memcmp(a, b, value_size(row)) == 0;
+}
+
+bool field_same(const struct field_table *table, const void *a, const void *b)
+{
+    for (size_t k = 0; k < table->count; k++) {
+        const struct field *row = &table->fields[k];
+        const void *x = at_const(a, row), *y = at_const(b, row);
+        bool off = row->type == FIELD_SWITCH && !*(const bool *)x;
+        if (!row->aside && (!row_same(row, x, y) || (row->table && !off && !field_same(row->table, x, y))))
+            return false;
+    }
+    return true;
+}
+
 enum scree_status field_steer_check(const struct field_table *table, const void *from, const void *to, const char *path,
                                     struct scree_error *err)
 {
@@ -233,8 +251,7 @@ enum scree_status field_steer_check(const struct field_table *table, const void 
         const void *old = at_const(from, row), *new = at_const(to, row);
         char full[SCREE_PATH_MAX];
         join(full, path, row->name);
-        bool same = row->type == FIELD_TEXT ? strcmp(old, new) == 0 : memcmp(old, new, value_size(row)) == 0;
-        if (!same && !row->steerable && !row->aside)
+        if (!row_same(row, old, new) && !row->steerable && !row->aside)
             return scree_fail(err, SCREE_INVALID, full, "%s: cannot be changed once a job has begun", full);
         bool off = row->type == FIELD_SWITCH && !*(const bool *)old;
         enum scree_status status = row->table && !off ? field_steer_check(row->table, old, new, full, err) : SCREE_OK;

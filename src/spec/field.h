@@ -72,6 +72,9 @@ const char *word_nearest(const char *const *words, const char *word);
  * `params.slope_deg: 123 is outside 0..60 deg`. */
 enum scree_status field_check(const struct field_table *table, const void *object, const char *path, struct scree_error *err);
 
+/* True when the objects differ at most in what is aside. */
+bool field_same(const struct field_table *table, const void *a, const void *b);
+
 /* SCREE_INVALID names the first value in which the two objects differ that is
  * neither steerable nor aside. `table` describes both. */
 enum scree_status field_steer_check(const struct field_table *table, const void *from, const void *to, const char *path,

@@ -156,4 +156,7 @@ enum scree_status job_check(const struct job_spec *job, double memory_limit, str
  * (or aside): SCREE_INVALID names the first other difference. */
 enum scree_status job_steer_check(const struct job_spec *from, const struct job_spec *to, struct scree_error *err);
 
+/* True when two jobs compute the same bits: they differ at most in what is aside. */
+bool job_same(const struct job_spec *a, const struct job_spec *b);
+
 #endif
