@@ -124,6 +124,18 @@ static void answer(struct scheduler *s, struct command *c, const struct scree_er
 
 /* ---- specs ---- */
 
+/* A job as a tree that can be changed and decoded: job_encode's own holds its numbers as text. */
+static enum scree_status tree_of(const struct job_spec *job, cJSON **out, struct scree_error *err)
+{
+    cJSON *json = job_encode(job);
+    char *text = json ? json_print(json, false) : NULL;
+    enum scree_status status = text ? json_read(text, strlen(text), "spec", out, err)
+                                    : scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for a job");
+    cJSON_Delete(json);
+    free(text);
+    return status;
+}
+
 /* Adds the assignments of a command's detail to a job's JSON. */
 static enum scree_status assign(cJSON *spec, const char *detail, struct scree_error *err)
 {
@@ -141,9 +153,9 @@ static enum scree_status assign(cJSON *spec, const char *detail, struct scree_er
 /* *to is *from with the assignments of `detail`. */
 static enum scree_status changed_spec(const struct job_spec *from, const char *detail, struct job_spec *to, struct scree_error *err)
 {
-    cJSON *spec = job_encode(from);
-    enum scree_status status = spec ? assign(spec, detail, err) : scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for a job");
-    if (!status)
+    cJSON *spec = NULL;
+    enum scree_status status;
+    if (!(status = tree_of(from, &spec, err)) && !(status = assign(spec, detail, err)))
         status = job_decode(spec, to, err);
     cJSON_Delete(spec);
     return status;
@@ -159,9 +171,8 @@ enum scree_status steering_compose(const struct scheduler *s, const struct job *
         bool counts = c->step >= 0 ? c->number <= last : pending && c->step == COMMAND_PENDING;
         if (c->job != job || c->op != COMMAND_SET || !counts)
             continue;
-        if (!spec && !(spec = job_encode(&job->base)))
-            return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for a job");
-        status = assign(spec, c->detail, err);
+        if (spec || !(status = tree_of(&job->base, &spec, err)))
+            status = assign(spec, c->detail, err);
     }
     if (!status && spec)
         status = job_decode(spec, out, err);
