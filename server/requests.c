@@ -425,6 +425,10 @@ cJSON *requests_steered(const struct job *job, const struct command *command)
     json_put_text(json, "job", job->id);
     json_put_text(json, "op", command_op_word(command->op));
     json_put_text(json, "state", job_state_word(job->state));
+    if (command->number)
+        json_put_int(json, "number", command->number);
+    else
+        json_put(json, "number", cJSON_CreateNull()); // there was nothing to do
     if (command->step >= 0)
         json_put_int(json, "step", command->step);
     else

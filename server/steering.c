@@ -516,6 +516,7 @@ static enum scree_status steer_fork(struct scheduler *s, const char *request, st
                                     struct scree_error *err)
 {
     struct job_spec from, to;
+    struct run_start start;
     struct command *c = NULL;
     enum scree_status status;
     if ((status = steering_compose(s, job, INT64_MAX, true, &from, err)) || (status = changed_spec(&from, detail, &to, err)) ||
@@ -523,6 +524,8 @@ static enum scree_status steer_fork(struct scheduler *s, const char *request, st
         return status;
     if (job->run)
         return in_time(s, request, job, COMMAND_FORK, detail, &from, ticket, err);
+    if (!restart_newest(s, job, &start))
+        return scree_fail(err, SCREE_CONFLICT, "job", "%s has not begun: there is nothing to continue", job->id);
     if ((status = steering_insert(s, request, job, COMMAND_FORK, detail, COMMAND_PENDING, &c, err)))
         return status;
     if ((status = fork_from_checkpoint(s, c, err))) {
