@@ -13,7 +13,8 @@
 #include "requests.h"
 #include "scheduler_state.h"
 
-#define GB 1e9
+#define GB         1e9
+#define FULL_BYTES 4e6
 enum { FAULTS_MAX = 6 }; // failures in a row after which a job fails
 
 /* Decimal, as disks are sold: "1.9 GB", "12 MB". */
@@ -21,6 +22,13 @@ static char *text_of(double bytes, char out[32])
 {
     snprintf(out, 32, bytes >= 0.1 * GB ? "%.1f GB" : "%.0f MB", bytes >= 0.1 * GB ? bytes / GB : bytes / 1e6);
     return out;
+}
+
+/* Hardly anything left: what then fails is not counted against the job. */
+static bool disk_is_full(const struct scheduler *s)
+{
+    struct statvfs disk;
+    return statvfs(s->config->data, &disk) == 0 && (double)disk.f_bavail * (double)disk.f_frsize < FULL_BYTES;
 }
 
 /* Fills `why` when there is less than the floor; by default that is 1 GB, or a twentieth of a small disk. */
@@ -84,7 +92,7 @@ bool holds_fault(struct scheduler *s, struct job *job, const struct scree_error 
     if (error->status != SCREE_IO && error->status != SCREE_NO_MEMORY)
         return false;
     look_at_disk(s, s->disk_low);
-    if (!*s->disk_low && ++job->faults > FAULTS_MAX)
+    if (!*s->disk_low && !disk_is_full(s) && ++job->faults > FAULTS_MAX)
         return false;
     snprintf(why, sizeof why, "%.400s; tried again soon", error->message);
     job->retry_at = scheduler_monotonic() + fmin(60, ldexp(0.5, job->faults));

@@ -189,8 +189,10 @@ void scheduler_enter(struct scheduler *s, struct job *job, enum job_state state)
         log_line(LOG_ERROR, "job=%s state=%s %s", job->id, job_state_word(state), error.message);
         job->late = job_state_ended(state); // nobody is told before it is written
         job->verdict_state = state;
-        if (job->late)
+        if (job->late) {
+            job->ended = 0;
             return;
+        }
     }
     job->late = false;
     scheduler_set_state(s, job, state);

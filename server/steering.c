@@ -129,8 +129,8 @@ static enum scree_status tree_of(const struct job_spec *job, cJSON **out, struct
 {
     cJSON *json = job_encode(job);
     char *text = json ? json_print(json, false) : NULL;
-    enum scree_status status = text ? json_read(text, strlen(text), "spec", out, err)
-                                    : scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for a job");
+    enum scree_status status =
+        text ? json_read(text, strlen(text), "spec", out, err) : scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for a job");
     cJSON_Delete(json);
     free(text);
     return status;
@@ -291,9 +291,9 @@ void steering_recorded(struct scheduler *s, const struct record_order *order)
         FAILPOINT("fork-recorded");
         if (!status && !(status = steering_compose(s, c->job, c->number, false, &from, &error)))
             status = make_child(s, c, &from, order->step, file, &error);
-        if (status)
-            give_step(s, c, COMMAND_VOID, 0, NULL);
     }
+    if (status)
+        give_step(s, c, COMMAND_VOID, 0, NULL);
     answer(s, c, status ? &error : NULL);
 }
 

@@ -18,7 +18,7 @@ class Kill(unittest.TestCase):
     def act(self, session, rng, live):
         """One thing that a client may do."""
         if not live or (len(live) < 3 and rng.random() < 0.3):
-            live.append(session.submit(tiny(seed=rng.randrange(1, 4), end_s=rng.choice((0.05, 0.1, 0.2)))))
+            live.append(session.submit(tiny(seed=rng.randrange(1, 4), end_s=rng.choice((0.03, 0.06, 0.1)))))
             return
         name = rng.choice(live)
         action = rng.choices(("set", "pause", "resume", "checkpoint", "fork", "cancel", "look", "read"),
@@ -47,7 +47,7 @@ class Kill(unittest.TestCase):
             try:
                 live = []
                 for _ in range(kills):
-                    end = time.monotonic() + rng.uniform(0.02, 0.5)
+                    end = time.monotonic() + rng.uniform(0.02, 0.3)
                     while time.monotonic() < end:
                         self.act(session, rng, live)
                     session.daemon.process.kill()  # whatever it is doing; the next request finds out

@@ -6,13 +6,14 @@ is answered: so everything that was asked for was acknowledged once, and what th
 daemon must know at the end follows from the history alone. `Session.judge` looks
 whether it does: no acknowledged thing lost or doubled, no stream with a gap or a
 change, every final state equal to that of a run that nothing disturbed."""
+import json
 import os
 import random
 import signal
 import time
 import uuid
 
-from raw import Daemon, Refused, chunk_hash, crc32c
+from raw import Daemon, Refused, chunk_hash, crc32c, receive
 
 FAULTS = os.environ.get("SCREE_FAULTS", "")
 SLOW = bool(os.environ.get("SCREE_SLOW"))
@@ -44,12 +45,12 @@ class Job:
 
 
 class Session:
-    def __init__(self, folder, workers=2, options=("--checkpoint-s", "0.1")):
+    def __init__(self, folder, workers=2, options=("--checkpoint-s", "0.1"), **environment):
         self.folder, self.workers, self.options = folder, workers, options
         self.daemon = None
         self.jobs = {}
         self.deaths = 0
-        self.start()
+        self.start(**environment)
 
     def start(self, **environment):
         """A daemon; with variables one that faults are injected into."""
@@ -73,12 +74,38 @@ class Session:
         request = uuid.uuid4().hex
         end = time.monotonic() + patience_s
         while True:
-            try:
-                return self.daemon.control.ask(op, body, request=request, timeout_s=silence_s)
-            except AssertionError:
-                if not self.daemon.alive():
-                    self.revive()
-                assert time.monotonic() < end, f"{op} {body} was not answered\n" + self.daemon.log()
+            if (reply := self.ask_once(op, body, request, silence_s)) is not None:
+                if not reply["ok"]:
+                    raise Refused(reply["error"])
+                return reply["result"]
+            if not self.daemon.alive():
+                self.revive()
+            assert time.monotonic() < end, f"{op} {body} was not answered\n" + self.daemon.log()
+
+    def ask_once(self, op, body, request, silence_s):
+        """The reply, or None when the daemon is dead or silent."""
+        if not self.daemon.alive():
+            return None
+        socket = self.daemon.control.socket
+        socket.send_multipart([b"SC1", json.dumps({"id": request, "op": op}).encode(), json.dumps(body).encode()])
+        end = time.monotonic() + silence_s
+        while time.monotonic() < end:
+            frames = receive(socket, 0.02)
+            if frames and (reply := json.loads(frames[1]))["id"] == request:
+                return reply
+            if not frames and not self.daemon.alive():
+                return None
+        return None
+
+    def wait_all(self, timeout_s=20):
+        """Until every job has ended, or the daemon has."""
+        end = time.monotonic() + timeout_s
+        for name in list(self.jobs):
+            while self.daemon.alive() and time.monotonic() < end:
+                reply = self.ask_once("show", {"job": name}, uuid.uuid4().hex, 3)
+                if reply and reply["ok"] and reply["result"]["state"] in ENDED:
+                    break
+                time.sleep(0.02)
 
     # ---- what a client does ----
 
@@ -173,6 +200,9 @@ class Session:
         streams = self.daemon.streams()
         try:
             chunks, end = streams.read_all("all", job.name, "basal_force")
+        except Refused as refused:
+            assert refused.code == "not_found" and job.cancelled and not job.read, refused  # it never began
+            return
         finally:
             streams.close()
         value = 0
