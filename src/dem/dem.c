@@ -291,7 +291,9 @@ void dem_set_gravity(struct dem *dem, const double gravity[3])
     for (size_t i = 0; i < dem->moving; i++)
         for (int a = 0; a < 3; a++)
             dem->velocity[i][a] += 0.5 * dem->step_s * (dem->gravity[a] - gravity[a]);
+    double weight = sqrt(dem->gravity[0] * dem->gravity[0] + dem->gravity[1] * dem->gravity[1] + dem->gravity[2] * dem->gravity[2]);
     set_gravity(dem, gravity);
+    dem->weight = weight + 2 * dem->weight; // lists that are in use have to bear both fields and the change
     dem->start_potential = order_potential(dem) + dem->wrapped_work - before;
 }
 
