@@ -42,13 +42,15 @@ static double seconds_now(void)
 
 /* ---- one run ---- */
 
+#define NEVER UINT64_MAX
+
 struct context {
     struct run *run;
     struct chunk_log *log;
     int wake_fd;
     double reached_s;   // how far the streams had come before this run; negative: nowhere
     int64_t applied;    // number of the last command that is in the world
-    uint64_t kept_step; // of the newest checkpoint
+    uint64_t kept_step; // of the newest checkpoint, NEVER: there is none
     double kept_s;      // when it was taken, by the monotonic clock
     bool ending;        // the world stops for good before its end
 };
@@ -225,7 +227,7 @@ static enum scree_status obey(struct context *c, struct scree_world *world, size
 static bool checkpoint_is_due(const struct context *c, const struct scree_progress *p, double now)
 {
     double every = c->run->checkpoint_s;
-    return every > 0 && now - c->kept_s >= every && p->step > c->kept_step && atomic_load(&c->run->images) == 0;
+    return every > 0 && now - c->kept_s >= every && p->step != c->kept_step && atomic_load(&c->run->images) == 0;
 }
 
 /* Slices until the world is finished or an order comes. */
@@ -351,7 +353,7 @@ static enum scree_status run_world(struct context *c, struct scree_error *err)
         goto out;
     publish(c, world, 0, 0);
     status = run_slices(c, world, err);
-    if (status == SCREE_BUSY && scree_world_progress(world).step > c->kept_step)
+    if (status == SCREE_BUSY && scree_world_progress(world).step != c->kept_step)
         hand_over(c, world, RECORD_CHECKPOINT, 0);
     /* What there is belongs to the result, of a cancelled job too; a stopped one will go on. */
     if (status == SCREE_OK || status == SCREE_CANCELLED) {
@@ -373,7 +375,7 @@ out:
 
 static void run_job(struct run *run, int wake_fd)
 {
-    struct context c = {.run = run, .wake_fd = wake_fd};
+    struct context c = {.run = run, .wake_fd = wake_fd, .kept_step = NEVER};
     struct scree_error error = {0};
     enum scree_status status = run_world(&c, &error);
     pthread_mutex_lock(&run->lock);
