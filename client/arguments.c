@@ -10,7 +10,7 @@
 #include "cli.h"
 #include "spec/field.h"
 
-static const char *const global_options[] = {"--connect=", "--json", "--help", "--version", NULL};
+static const char *const global_options[] = {"--connect=", "--json", "--help", "--version", "--man", "--completion", NULL};
 
 /* The option of the table that `text` (up to its '=') names, or NULL. */
 static const char *find_option(const char *const *table, const char *text)
@@ -50,6 +50,10 @@ static void keep_global(struct arguments *out, const char *name, const char *val
         out->json = true;
     else if (strcmp(name, "--help") == 0)
         out->help = true;
+    else if (strcmp(name, "--man") == 0)
+        out->man = true;
+    else if (strcmp(name, "--completion") == 0)
+        out->completion = true;
     else
         out->version = true;
 }

@@ -56,7 +56,7 @@ struct given_option {
 struct arguments {
     const struct verb *verb;
     const char *connect; // --connect, or NULL
-    bool json, help, version;
+    bool json, help, version, man, completion;
     const char **words;
     int word_count;
     struct given_option *options;

@@ -32,9 +32,9 @@ static enum outcome cancel_run(const struct arguments *arguments)
 const struct verb verb_cancel = {
     .name = "cancel",
     .synopsis = "ID...",
-    .doc = "stop jobs; what they have recorded so far stays",
+    .doc = "stop jobs and studies; what they have recorded so far stays",
     .help = "A running job stops at the end of its slice, a queued one never starts, an ended one stays as it is.\n"
-            "Prints `ID STATE`.\n"
+            "A study takes its trials with it. Prints `ID STATE`.\n"
             "\n"
             "  scree cancel j17 j18\n",
     .words_min = 1,

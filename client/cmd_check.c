@@ -34,6 +34,15 @@ static cJSON *cost_json(const struct job_cost *cost)
     return json;
 }
 
+static void print_trials(const struct study_plan *study)
+{
+    fflush(stdout);
+    if (study->trials)
+        say("%zu trials; the steps below are of all together, in worlds as large as the largest", study->trials);
+    else
+        say("a search: trials follow from one another; below is an estimate for all together");
+}
+
 static enum outcome check_run(const struct arguments *arguments)
 {
     struct scree_error err = {.status = SCREE_OK};
@@ -41,15 +50,22 @@ static enum outcome check_run(const struct arguments *arguments)
     enum outcome outcome = spec_file_read(arguments->words[0], arguments, memory_available(), &spec, &err);
     if (!outcome) {
         struct job_cost cost = spec.job.scenario->cost(&spec.job);
-        cJSON *resolved = job_encode(&spec.job), *line = arguments->json ? cJSON_CreateObject() : NULL;
+        if (spec.is_study)
+            study_plan_check(&spec.study, 0, &cost, &err);
+        cJSON *resolved = spec.is_study ? study_encode(&spec.study) : job_encode(&spec.job);
+        cJSON *line = arguments->json ? cJSON_CreateObject() : NULL;
         if (line) {
             json_put(line, "spec", resolved);
             json_put(line, "cost", cost_json(&cost));
+            if (spec.is_study)
+                json_put(line, "trials", spec.study.trials ? json_real((double)spec.study.trials) : cJSON_CreateNull());
             put_json_line(line);
             cJSON_Delete(line);
         } else if (resolved) {
             put_json_pretty(resolved);
             cJSON_Delete(resolved);
+            if (spec.is_study)
+                print_trials(&spec.study);
             print_cost(&cost);
         }
     }
@@ -63,7 +79,8 @@ const struct verb verb_check = {
     .name = "check",
     .synopsis = "FILE [--set path=value]...",
     .doc = "validate a spec, print it with every value spelled out and what it costs",
-    .help = "FILE is a job's JSON, \"-\" is stdin. Needs no daemon. The resolved spec goes to stdout and can be run as\n"
+    .help = "FILE is the JSON of a job or a study, \"-\" is stdin. Needs no daemon. The resolved spec goes to stdout and can be "
+            "run as\n"
             "it is; the estimate of cost goes to stderr, with --json into the same object. The time is an upper bound\n"
             "at a stated rate: a job may stop earlier, when it has its verdict.\n"
             "\n"

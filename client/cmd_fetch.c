@@ -4,6 +4,7 @@
 
 #include "destination.h"
 #include "download.h"
+#include "follow.h"
 #include "output.h"
 #include "protocol/frame.h"
 #include "signals.h"
@@ -26,12 +27,43 @@ static void report(const char *job, const char *file, const struct download *dow
     cJSON_Delete(line);
 }
 
+static void report_study(const char *study, const char *file, const char *text_file, const struct download *download, bool json)
+{
+    if (!download->complete)
+        say("%s has not ended: these are its trials so far", study);
+    if (!json) {
+        puts(file);
+        puts(text_file);
+        return;
+    }
+    cJSON *line = cJSON_CreateObject();
+    json_put_text(line, "job", study);
+    json_put_text(line, "file", file);
+    json_put_text(line, "csv", text_file);
+    json_put_real(line, "bytes", download->bytes);
+    json_put_bool(line, "complete", download->complete);
+    put_json_line(line);
+    cJSON_Delete(line);
+}
+
+static enum outcome fetch(struct link *link, const char *id, const char *file, bool json, struct scree_error *err)
+{
+    struct download download;
+    char text_file[PATH_MAX];
+    enum outcome outcome = is_study_id(id) ? download_study(link, id, file, text_file, &download, err)
+                                           : download_result(link, id, file, &download, err);
+    if (!outcome && is_study_id(id))
+        report_study(id, file, text_file, &download, json);
+    else if (!outcome)
+        report(id, file, &download, json);
+    return outcome;
+}
+
 static enum outcome fetch_run(const struct arguments *arguments)
 {
     struct scree_error err = {.status = SCREE_OK};
     struct link *link = NULL;
     struct destination place = {.existing = 0};
-    struct download download;
     cJSON *record = NULL;
     const char *job = arguments->words[0], *out = arguments_value(arguments, "-o");
     char name[PROTOCOL_ID_MAX + 8];
@@ -41,13 +73,11 @@ static enum outcome fetch_run(const struct arguments *arguments)
     signals_catch();
     enum outcome outcome = link_open_for(arguments, &link, &err);
     /* Whether there is such a job comes before a folder for it. */
-    if (!outcome && !(outcome = link_job(link, "show", job, &record, &err)) &&
+    if (!outcome && !(outcome = ask_record(link, job, false, &record, &err)) &&
         !(outcome = destination_prepare(out ? out : name, &place, &err))) {
-        outcome = download_result(link, job, place.file, &download, &err);
+        outcome = fetch(link, job, place.file, arguments->json, &err);
         if (outcome)
             destination_abandon(&place);
-        else
-            report(job, place.file, &download, arguments->json);
     }
     cJSON_Delete(record);
     link_close(link);
@@ -66,6 +96,8 @@ const struct verb verb_fetch = {
     .doc = "the result of a job as HDF5, or what there is so far",
     .help = "Writes ID.h5 here, FILE.h5, or DIR/result.h5, and prints its path; an older file of that name is replaced\n"
             "once the new one is whole. The file comes through the daemon's socket, wherever its data lie.\n"
+            "\n"
+            "Of a study it is a table with a row a trial, as ID.h5 and as ID.csv.\n"
             "\n"
             "  scree fetch j17\n"
             "  scree fetch j17 -o results/slope-24.h5\n",

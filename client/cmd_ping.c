@@ -26,7 +26,12 @@ static void print_pong(const cJSON *pong)
             put_clean(stdout, state->string);
         }
     }
-    putchar('\n');
+    char rate[TEXT_MAX], space[TEXT_MAX], used[TEXT_MAX], left[TEXT_MAX];
+    const cJSON *memory = json_get(pong, "memory"), *disk = json_get(pong, "disk");
+    printf("\n%-16s %s\n%-16s %s used, %s available\n%-16s %s free\n", "rate",
+           text_rate(json_number(pong, "grain_steps_per_s", 0), rate), "memory",
+           text_bytes(json_number(memory, "used_bytes", 0), used), text_bytes(json_number(memory, "available_bytes", 0), left),
+           "disk", text_bytes(json_number(disk, "free_bytes", 0), space));
 }
 
 static enum outcome ping_run(const struct arguments *arguments)

@@ -14,6 +14,7 @@
 #include "output.h"
 #include "signals.h"
 #include "spec_file.h"
+#include "study_print.h"
 #include "submit.h"
 #include "summary.h"
 #include "verbs.h"
@@ -25,7 +26,8 @@ struct run {
     const struct arguments *arguments;
     struct spec_file spec;
     struct destination place;
-    bool placed; // `place` is settled: at once with -o, once the job has an id without
+    char text_file[PATH_MAX]; // a study's table as text
+    bool placed;              // `place` is settled: at once with -o, once the job has an id without
     struct link *link;
     struct daemon own; // pid 0: the daemon is somebody else's
     bool is_private;
@@ -83,7 +85,8 @@ static enum outcome submit(struct run *run, struct scree_error *err)
         say("%s has run this spec before and answers with its result (--again runs it anew)", run->job);
     if (run->placed)
         return OUTCOME_DONE;
-    snprintf(stem, sizeof stem, "scree-%.40s-%s", run->spec.job.scenario->name, run->job);
+    snprintf(stem, sizeof stem, "scree-%.40s-%s",
+             run->spec.is_study ? study_kinds[run->spec.study.spec.kind].name : run->spec.job.scenario->name, run->job);
     outcome = destination_fresh(stem, &run->place, err);
     run->placed = !outcome;
     return outcome;
@@ -94,7 +97,8 @@ static enum outcome fetch(struct run *run, struct scree_error *err)
 {
     struct download download;
     char size[TEXT_MAX];
-    enum outcome outcome = download_result(run->link, run->job, run->place.file, &download, err);
+    enum outcome outcome = run->spec.is_study ? download_study(run->link, run->job, run->place.file, run->text_file, &download, err)
+                                              : download_result(run->link, run->job, run->place.file, &download, err);
     run->fetched = outcome == OUTCOME_DONE;
     if (run->fetched && download.bytes > 64e6)
         say("fetched %s", text_bytes(download.bytes, size));
@@ -104,9 +108,14 @@ static enum outcome fetch(struct run *run, struct scree_error *err)
 static void report(const struct run *run)
 {
     if (!run->arguments->json) {
-        summary_print(run->record, run->fetched ? run->place.file : NULL);
+        if (run->spec.is_study)
+            study_print(run->record, run->fetched ? run->place.file : NULL, run->fetched ? run->text_file : NULL);
+        else
+            summary_print(run->record, run->fetched ? run->place.file : NULL);
         return;
     }
+    if (run->spec.is_study)
+        json_put_text(run->record, "csv", run->fetched ? run->text_file : NULL);
     json_put_text(run->record, "file", run->fetched ? run->place.file : NULL);
     put_json_line(run->record);
 }
@@ -171,22 +180,24 @@ static const char *const options[] = {"--set=*", "-o=", "--again", NULL};
 const struct verb verb_run = {
     .name = "run",
     .synopsis = "FILE [--set path=value]... [-o DIR|FILE.h5] [--again]",
-    .doc = "run a job: submit it, follow it, fetch its result",
-    .help = "FILE is a job's JSON, \"-\" is stdin. --set changes one value of it. The result goes to DIR/result.h5\n"
-            "or FILE.h5, without -o to a new folder scree-SCENARIO-JOB here; an older file of that name is replaced.\n"
-            "\n"
-            "The job is given to the daemon at the default endpoint if it answers, or to the one that --connect or\n"
-            "SCREE_CONNECT names. If nobody was named and none answers, a private screed is started for this run,\n"
-            "keeps its data beside the result, and is gone at the end.\n"
-            "\n"
-            "A daemon that has finished the same spec before answers with that result, unless --again.\n"
-            "\n"
-            "Ctrl-C with a private daemon cancels the job and keeps the result so far (exit code 3); a second one\n"
-            "leaves at once. With any other daemon Ctrl-C only stops following: the job goes on.\n"
-            "\n"
-            "  scree run client/examples/slidequake.json -o data/first\n"
-            "  scree run job.json --set params.slope_deg=24 --set time.end_s=2 -o steep.h5\n"
-            "  echo '{\"scenario\": \"collision\"}' | scree --json run -\n",
+    .doc = "run a job or a study: submit it, follow it, fetch its result",
+    .help =
+        "FILE is the JSON of a job or a study, \"-\" is stdin. --set changes one value of it. The result goes to DIR/result.h5\n"
+        "or FILE.h5, without -o to a new folder scree-SCENARIO-JOB here; an older file of that name is replaced.\n"
+        "\n"
+        "The job is given to the daemon at the default endpoint if it answers, or to the one that --connect or\n"
+        "SCREE_CONNECT names. If nobody was named and none answers, a private screed is started for this run,\n"
+        "keeps its data beside the result, and is gone at the end.\n"
+        "\n"
+        "A daemon that has finished the same spec before answers with that result, unless --again.\n"
+        "\n"
+        "Ctrl-C with a private daemon cancels the job and keeps the result so far (exit code 3); a second one\n"
+        "leaves at once. With any other daemon Ctrl-C only stops following: the job goes on.\n"
+        "\n"
+        "  scree run client/examples/slidequake.json -o data/first\n"
+        "  scree run job.json --set params.slope_deg=24 --set time.end_s=2 -o steep.h5\n"
+        "  scree run client/examples/bisect-mu_t.json\n"
+        "  echo '{\"scenario\": \"collision\"}' | scree --json run -\n",
     .options = options,
     .words_min = 1,
     .words_max = 1,

@@ -2,8 +2,9 @@
 /* `scree show`: everything the daemon knows of a job. */
 #include <stdio.h>
 
-#include "link.h"
+#include "follow.h"
 #include "output.h"
+#include "study_print.h"
 #include "summary.h"
 #include "table.h"
 #include "verbs.h"
@@ -103,6 +104,8 @@ static enum outcome show_run(const struct arguments *arguments)
             break;
         if (arguments->json)
             put_json_line(record);
+        else if (is_study_id(arguments->words[k]))
+            study_print(record, NULL, NULL);
         else
             print_record(record);
         cJSON_Delete(record);
@@ -114,8 +117,9 @@ static enum outcome show_run(const struct arguments *arguments)
 const struct verb verb_show = {
     .name = "show",
     .synopsis = "ID...",
-    .doc = "everything about a job: verdict and evidence, numbers, streams, spec",
-    .help = "With --json one object a job, with id, state, scenario, verdict, time_s, end_s, steps, grains,\n"
+    .doc = "everything about a job or a study: verdict and evidence, numbers, streams, spec",
+    .help = "Of a study its answers, its bracket round by round and every trial with what it came to.\n"
+            "With --json one object a job, with id, state, scenario, verdict, time_s, end_s, steps, grains,\n"
             "grain_steps_per_s, streams {name: {chunks, samples, ...}}, spec, build, error and more.\n"
             "\n"
             "  scree show j17\n"

@@ -82,13 +82,15 @@ const struct verb verb_submit = {
     .name = "submit",
     .synopsis = "FILE... [--set path=value]... [--again]",
     .doc = "put jobs into the daemon's queue and print one id per line",
-    .help = "FILE is a job's JSON, \"-\" is stdin. All files are checked before the first is submitted; --set changes\n"
-            "a value of each. A spec that the daemon has finished before is answered with the id of that job, unless\n"
-            "--again. Exit code 75: the queue is full, try again later.\n"
-            "\n"
-            "  scree submit job.json\n"
-            "  scree wait $(scree submit a.json b.json)\n"
-            "  scree submit job.json --set seed=2 --again\n",
+    .help =
+        "FILE is the JSON of a job or a study, \"-\" is stdin. All files are checked before the first is submitted; --set changes\n"
+        "a value of each. A spec that the daemon has finished before is answered with the id of that job, unless\n"
+        "--again. Exit code 75: the queue is full, try again later.\n"
+        "\n"
+        "  scree submit job.json\n"
+        "  scree wait $(scree submit a.json b.json)\n"
+        "  scree submit job.json --set seed=2 --again\n"
+        "  scree submit client/examples/slidequakes.json\n",
     .options = options,
     .words_min = 1,
     .words_max = -1,

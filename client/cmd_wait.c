@@ -16,7 +16,7 @@ static enum outcome wait_for(struct link *link, const char *job, cJSON **record,
     double gone = 0;
     int pause = FIRST_MS;
     for (;;) {
-        enum outcome outcome = link_job(link, "show", job, record, err);
+        enum outcome outcome = ask_record(link, job, false, record, err);
         if (outcome == OUTCOME_UNREACHABLE && (gone == 0 || now_s() - gone < FOLLOW_PATIENCE_S)) {
             if (gone == 0) {
                 gone = now_s();
@@ -28,8 +28,14 @@ static enum outcome wait_for(struct link *link, const char *job, cJSON **record,
         if (outcome)
             return outcome;
         gone = 0;
-        if (state_ended(json_text(*record, "state")))
+        if (state_ended(json_text(*record, "state"))) {
+            cJSON *whole = NULL;
+            if (is_study_id(job) && ask_record(link, job, true, &whole, err) == OUTCOME_DONE) {
+                cJSON_Delete(*record);
+                *record = whole;
+            }
             return OUTCOME_DONE;
+        }
         cJSON_Delete(*record);
         *record = NULL;
         wait_ms(pause);
@@ -54,7 +60,8 @@ static enum outcome wait_run(const struct arguments *arguments)
         cJSON *record = NULL;
         if ((outcome = wait_for(link, arguments->words[k], &record, &err)))
             break;
-        const char *state = json_text(record, "state"), *verdict = json_text(record, "verdict");
+        const char *state = json_text(record, "state");
+        const char *verdict = json_text(record, is_study_id(arguments->words[k]) ? "conclusion" : "verdict");
         worst = worse(worst, outcome_of_state(state));
         if (*summary_error(record))
             say("%s failed: %s", arguments->words[k], summary_error(record));
@@ -74,7 +81,8 @@ const struct verb verb_wait = {
     .name = "wait",
     .synopsis = "ID...",
     .doc = "wait until jobs have ended; exits with their outcome",
-    .help = "Prints `ID STATE VERDICT` for each, with --json its record. Exits with 0 if all are done, 1 if one failed,\n"
+    .help = "Prints `ID STATE VERDICT` for each (of a study what it came to), with --json its record. Exits with 0 if all are "
+            "done, 1 if one failed,\n"
             "3 if one was cancelled and none failed, 69 if the daemon is gone for 10 s.\n"
             "\n"
             "  scree wait j17 && scree fetch j17\n",

@@ -3,6 +3,7 @@
 #include "follow.h"
 #include "output.h"
 #include "signals.h"
+#include "study_print.h"
 #include "summary.h"
 #include "verbs.h"
 
@@ -19,6 +20,8 @@ static enum outcome watch_run(const struct arguments *arguments)
         detached = follow_job(link, NULL, job, &record, &outcome, &err) == FOLLOW_DETACHED;
         if (record && arguments->json)
             put_json_line(record);
+        else if (record && is_study_id(job))
+            study_print(record, NULL, NULL);
         else if (record)
             summary_print(record, json_text(record, "result"));
     }
@@ -40,7 +43,7 @@ static enum outcome watch_run(const struct arguments *arguments)
 const struct verb verb_watch = {
     .name = "watch",
     .synopsis = "ID",
-    .doc = "follow a job's progress to its end; exits with its outcome",
+    .doc = "follow a job's or a study's progress to its end; exits with its outcome",
     .help = "On a terminal a bar with time, ETA, grain-steps per second and the basal normal force; elsewhere a line\n"
             "every ten seconds, all on stderr. Ends with the summary on stdout, with --json the job's record.\n"
             "Ctrl-C stops watching, not the job. A daemon that is gone is waited for, 10 s at most (exit code 69).\n"

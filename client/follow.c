@@ -36,6 +36,23 @@ bool state_ended(const char *state)
     return state && (strcmp(state, "done") == 0 || strcmp(state, "failed") == 0 || strcmp(state, "cancelled") == 0);
 }
 
+bool is_study_id(const char *id)
+{
+    return id[0] == 's' && id[1] >= '0' && id[1] <= '9';
+}
+
+enum outcome ask_record(struct link *link, const char *id, bool all, cJSON **record, struct scree_error *err)
+{
+    if (all || !is_study_id(id))
+        return link_job(link, "show", id, record, err);
+    cJSON *body = cJSON_CreateObject();
+    if (body) {
+        json_put_text(body, "job", id);
+        json_put_bool(body, "open", true);
+    }
+    return link_request(link, "show", body, record, err);
+}
+
 /* The column of the normal force: "Fz" by name. */
 static int normal_column(const struct reader_chunk *chunk)
 {
@@ -137,6 +154,11 @@ static void look_at(struct following *f, const cJSON *record)
         f->held_told = true;
         say("%s is held: %s", f->job, why && *why ? why : "the daemon does not say why");
     }
+    if (is_study_id(f->job)) {
+        if (!state_ended(state))
+            progress_show_study(&f->progress, record);
+        return;
+    }
     open_reader(f, record);
     if (!state_ended(state))
         progress_show(&f->progress, record);
@@ -180,7 +202,7 @@ enum follow_end follow_job(struct link *link, struct daemon *own, const char *jo
             break;
         }
         cJSON *now = NULL;
-        if ((*outcome = link_job(link, "show", job, &now, err))) {
+        if ((*outcome = ask_record(link, job, false, &now, err))) {
             if ((*outcome = bear_silence(&f, *outcome, err)) == OUTCOME_DONE)
                 continue;
             end = FOLLOW_FAILED;
@@ -188,6 +210,10 @@ enum follow_end follow_job(struct link *link, struct daemon *own, const char *jo
         }
         look_at(&f, now);
         if (state_ended(json_text(now, "state"))) {
+            *record = now;
+            if (!is_study_id(job) || ask_record(link, job, true, &now, err))
+                break;
+            cJSON_Delete(*record); // of a study all trials are wanted in the end
             *record = now;
             break;
         }

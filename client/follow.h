@@ -20,6 +20,12 @@ enum follow_end follow_job(struct link *link, struct daemon *own, const char *jo
 /* How long a daemon that has gone is waited for, seconds. */
 enum { FOLLOW_PATIENCE_S = 10 };
 
+/* Whether an id is a study's; a study is followed as a job is. */
+bool is_study_id(const char *id);
+
+/* The record of `show`; of a study without the trials that have ended, unless `all`. */
+enum outcome ask_record(struct link *link, const char *id, bool all, cJSON **record, struct scree_error *err);
+
 /* Whether a job in that state has ended for good. */
 bool state_ended(const char *state);
 

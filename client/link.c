@@ -12,6 +12,7 @@
 #include <string.h>
 #include <sys/random.h>
 
+#include "network.h"
 #include "output.h"
 #include "protocol/frame.h"
 #include "signals.h"
@@ -249,6 +250,11 @@ enum outcome link_stream_socket(struct link *link, void **socket, struct scree_e
     const char *endpoint = outcome ? NULL : json_text(pong, "stream_endpoint");
     if (!outcome && !endpoint)
         outcome = outcome_fail(err, OUTCOME_FAILED, "the daemon does not say where its streams are");
+    char beside[WIRE_ENDPOINT_MAX];
+    if (!outcome && network_endpoint(link->endpoint)) {
+        outcome = network_beside(link->endpoint, endpoint, beside, err);
+        endpoint = beside;
+    }
     if (!outcome && !(outcome = wire_endpoint_check(endpoint, err))) {
         *socket = wire_connect(link->context, endpoint, STREAM_BYTES_MAX);
         if (!*socket)

@@ -9,14 +9,16 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "manual.h"
 #include "output.h"
 #include "signals.h"
 #include "verbs.h"
 
-static const struct verb *const verbs[] = {&verb_run,   &verb_check, &verb_submit,   &verb_list,  &verb_show,      &verb_wait,
-                                           &verb_watch, &verb_tail,  &verb_cancel,   &verb_pause, &verb_resume,    &verb_checkpoint,
-                                           &verb_set,   &verb_fork,  &verb_replay,   &verb_fetch, &verb_scenarios, &verb_materials,
-                                           &verb_bench, &verb_ping,  &verb_shutdown, NULL};
+static const struct verb *const verbs[] = {&verb_run,    &verb_check,      &verb_submit,    &verb_list,      &verb_show,
+                                           &verb_wait,   &verb_watch,      &verb_tail,      &verb_cancel,    &verb_pause,
+                                           &verb_resume, &verb_checkpoint, &verb_set,       &verb_fork,      &verb_replay,
+                                           &verb_fetch,  &verb_plot,       &verb_scenarios, &verb_materials, &verb_bench,
+                                           &verb_keygen, &verb_trust,      &verb_ping,      &verb_shutdown,  NULL};
 
 /* ---- outcomes (cli.h) ---- */
 
@@ -72,6 +74,15 @@ enum outcome give_up(enum outcome outcome, const struct scree_error *err)
 
 /* ---- help ---- */
 
+/* What --help and the manual page say beside the verbs. */
+static const char notes[] =
+    "ENDPOINT is that of a daemon's control socket, ipc://PATH or tcp://HOST:PORT (scree keygen --help); without\n"
+    "--connect it is $SCREE_CONNECT, else ipc://RUNTIME/control with RUNTIME = $SCREE_RUNTIME, $XDG_RUNTIME_DIR/scree or "
+    "/tmp/scree-UID.\n"
+    "--json prints one JSON object a line. Data go to stdout, messages to stderr. NO_COLOR is honoured.\n\n"
+    "exit codes: 0 done, 1 the job failed, 2 usage or a refused spec, 3 cancelled, 69 daemon unreachable,\n"
+    "75 try again (queue full), 77 not authorised\n";
+
 static void print_overview(FILE *file)
 {
     fputs("scree runs granular-flow simulations and follows them.\n\n"
@@ -80,13 +91,9 @@ static void print_overview(FILE *file)
     for (const struct verb *const *verb = verbs; *verb; verb++)
         fprintf(file, "  %-10s %s\n", (*verb)->name, (*verb)->doc);
     fputs("\n  scree VERB --help   what a verb takes, with examples\n"
-          "  scree --version\n\n"
-          "ENDPOINT is that of a daemon's control socket; without --connect it is $SCREE_CONNECT, else\n"
-          "ipc://RUNTIME/control with RUNTIME = $SCREE_RUNTIME, $XDG_RUNTIME_DIR/scree or /tmp/scree-UID.\n"
-          "--json prints one JSON object a line. Data go to stdout, messages to stderr. NO_COLOR is honoured.\n\n"
-          "exit codes: 0 done, 1 the job failed, 2 usage or a refused spec, 3 cancelled, 69 daemon unreachable,\n"
-          "75 try again (queue full), 77 not authorised\n",
+          "  scree --version, --man (this and all verbs as roff), --completion (for bash)\n\n",
           file);
+    fputs(notes, file);
 }
 
 static void print_help(const struct verb *verb)
@@ -128,6 +135,10 @@ int main(int argc, char **argv)
         say_error(&err);
     } else if (arguments.version) {
         printf("scree %s\n", SCREE_VERSION);
+    } else if (arguments.man) {
+        manual_print(verbs, notes);
+    } else if (arguments.completion) {
+        completion_print(verbs);
     } else if (arguments.help) {
         if (arguments.verb)
             print_help(arguments.verb);

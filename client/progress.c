@@ -9,13 +9,23 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "output.h"
 
-enum { BAR_CELLS = 8, BAR_CELLS_WIDE = 16, WIDE = 110, SPARKS_LEAST = 4, LINE_EVERY_S = 10, FIRST_LINE_S = 2, LINE_MAX = 1024 };
+enum {
+    BAR_CELLS = 8,
+    BAR_CELLS_WIDE = 16,
+    WIDE = 110,
+    SPARKS_LEAST = 4,
+    LINE_EVERY_S = 10,
+    FIRST_LINE_S = 2,
+    LINE_MAX = 1024,
+    TRIALS_SHOWN = 8
+};
 
-static bool drawn; // a bar stands on the terminal
+static int drawn; // lines that stand on the terminal
 
 void progress_start(struct progress *progress)
 {
@@ -46,9 +56,11 @@ void progress_erase(void)
 {
     if (!drawn)
         return;
+    for (int line = 1; line < drawn; line++)
+        fputs("\r\x1b[K\x1b[A", stderr);
     fputs("\r\x1b[K", stderr);
     fflush(stderr);
-    drawn = false;
+    drawn = 0;
 }
 
 /* A part of the line, if it fits into the columns that are left. */
@@ -188,5 +200,92 @@ void progress_show(struct progress *progress, const cJSON *job)
     fputs("\r\x1b[K", stderr);
     put_clean(stderr, line);
     fflush(stderr);
-    drawn = true;
+    drawn = 1;
+}
+
+/* ---- studies ---- */
+
+/* The bracket of a search, the trials of a sweep: what a study is about. */
+static void describe_study(const cJSON *study, bool terminal, char line[LINE_MAX])
+{
+    char part[512], bar[128] = "", text[TEXT_MAX];
+    const cJSON *jobs = json_get(study, "jobs"), *answer;
+    const char *id = json_text(study, "id"), *kind = json_text(study, "kind");
+    int width = terminal ? output_width() : LINE_MAX, left = width - 1;
+    *line = 0;
+    snprintf(part, sizeof part, "%.20s %.12s", id ? id : "?", kind ? kind : "?");
+    append(line, &left, part);
+    if (terminal)
+        draw_bar(bar, fraction_of(study), width >= WIDE ? BAR_CELLS_WIDE : BAR_CELLS);
+    snprintf(part, sizeof part, "%s%3.0f %%", bar, 100 * fraction_of(study));
+    append(line, &left, part);
+    if (json_number(study, "eta_s", -1) >= 0) {
+        snprintf(part, sizeof part, "ETA %s", text_duration(json_number(study, "eta_s", -1), text));
+        append(line, &left, part);
+    }
+    double done = json_number(jobs, "done", 0), total = json_number(study, "total", 0);
+    snprintf(part, sizeof part, total > 0 ? "%.0f of %.0f trials" : "%.0f trials", done, total);
+    append(line, &left, part);
+    if (json_number(jobs, "failed", 0) > 0) {
+        snprintf(part, sizeof part, "%.0f failed", json_number(jobs, "failed", 0));
+        append(line, &left, part);
+    }
+    cJSON_ArrayForEach(answer, json_get(study, "answers"))
+    {
+        snprintf(part, sizeof part, "%.5g..%.5g", json_number(answer, "low", NAN), json_number(answer, "high", NAN));
+        append(line, &left, part);
+    }
+}
+
+/* "   j12  ████▏░░░ 52 %  t 4.16 / 20 s  material.mu_t = 0.234" */
+static void describe_trial(const cJSON *trial, char line[LINE_MAX])
+{
+    char part[512], bar[128] = "";
+    const char *job = json_text(trial, "job"), *state = json_text(trial, "state");
+    const cJSON *value;
+    int left = output_width() - 1;
+    snprintf(line, LINE_MAX, "  ");
+    snprintf(part, sizeof part, "%.20s", job ? job : "?");
+    append(line, &left, part);
+    draw_bar(bar, fraction_of(trial), BAR_CELLS);
+    snprintf(part, sizeof part, "%s%3.0f %%", bar, 100 * fraction_of(trial));
+    append(line, &left, state && strcmp(state, "running") == 0 ? part : state ? state : "?");
+    snprintf(part, sizeof part, "t %.3g / %.3g s", json_number(trial, "time_s", 0), json_number(trial, "end_s", 0));
+    append(line, &left, part);
+    cJSON_ArrayForEach(value, json_get(trial, "values"))
+    {
+        char *text = json_print(value, false);
+        snprintf(part, sizeof part, "%.100s = %.60s", value->string, text ? text : "?");
+        append(line, &left, part);
+        free(text);
+    }
+}
+
+void progress_show_study(struct progress *progress, const cJSON *study)
+{
+    char line[LINE_MAX];
+    const cJSON *trial;
+    int lines = 1;
+    bool terminal = output_progress();
+    if (!terminal && now_s() - progress->told < LINE_EVERY_S)
+        return;
+    describe_study(study, terminal, line);
+    if (!terminal) {
+        progress->told = now_s();
+        say("%s", line);
+        return;
+    }
+    progress_erase();
+    put_clean(stderr, line);
+    cJSON_ArrayForEach(trial, json_get(study, "trials"))
+    {
+        if (lines > TRIALS_SHOWN)
+            break;
+        describe_trial(trial, line);
+        putc('\n', stderr);
+        put_clean(stderr, line);
+        lines++;
+    }
+    fflush(stderr);
+    drawn = lines;
 }

@@ -25,6 +25,9 @@ void progress_force(struct progress *progress, double mean, double samples);
 /* Shows the job as its summary or record says. */
 void progress_show(struct progress *progress, const cJSON *job);
 
+/* Shows a study: a line for the whole, and on a terminal one for each trial that is on its way. */
+void progress_show_study(struct progress *progress, const cJSON *study);
+
 /* Takes the bar off the terminal, if there is one. Messages call it before they write. */
 void progress_erase(void);
 

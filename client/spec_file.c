@@ -29,13 +29,20 @@ enum outcome spec_file_read(const char *path, const struct arguments *arguments,
         if ((status = job_json_set(out->json, arguments->options[k].value, err)))
             return blame("--set", status, err);
     }
-    if (!status && !(status = job_decode(out->json, &out->job, err)))
+    out->is_study = study_is(out->json);
+    if (!status && out->is_study) {
+        if (!(status = study_decode(out->json, &out->study, err)))
+            status = study_plan_check(&out->study, memory_limit, NULL, err);
+        out->job = out->study.base;
+    } else if (!status && !(status = job_decode(out->json, &out->job, err))) {
         status = job_check(&out->job, memory_limit, err);
+    }
     return status ? blame(out->name, status, err) : OUTCOME_DONE;
 }
 
 void spec_file_free(struct spec_file *file)
 {
+    study_plan_free(&file->study);
     cJSON_Delete(file->json);
     file->json = NULL;
 }

@@ -1,15 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A job's spec from a file, with --set applied and checked before anything is sent. */
+/* The spec of a job or a study from a file, with --set applied and checked before anything is sent. */
 #ifndef SCREE_CLIENT_SPEC_FILE_H
 #define SCREE_CLIENT_SPEC_FILE_H
 
 #include "cli.h"
-#include "protocol/job_json.h"
+#include "protocol/study_json.h"
 
 struct spec_file {
     const char *name; // as messages call it: the path, or "stdin"
     cJSON *json;      // as written, with --set applied: what is submitted
-    struct job_spec job;
+    bool is_study;
+    struct job_spec job;     // of a study: the job that its trials start from
+    struct study_plan study; // if it is one
 };
 
 /* Reads FILE ("-" is stdin), applies every --set of the command line, decodes

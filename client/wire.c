@@ -10,18 +10,16 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "network.h"
 #include "protocol/frame.h"
 
 enum outcome wire_endpoint_check(const char *endpoint, struct scree_error *err)
 {
     struct sockaddr_un address;
-    if (strncmp(endpoint, "tcp://", 6) == 0) {
-        outcome_fail(err, OUTCOME_REFUSED, "%s: connections over the network are refused until they can be encrypted", endpoint);
-        scree_hint(err, "use an ipc:// endpoint, and ssh to reach another machine");
-        return OUTCOME_REFUSED;
-    }
+    if (network_endpoint(endpoint))
+        return network_check(endpoint, err);
     if (strncmp(endpoint, "ipc://", 6) != 0 || !endpoint[6])
-        return outcome_fail(err, OUTCOME_REFUSED, "%s: an endpoint has the form ipc://PATH", endpoint);
+        return outcome_fail(err, OUTCOME_REFUSED, "%s: an endpoint has the form ipc://PATH or tcp://HOST:PORT", endpoint);
     if (strlen(endpoint + 6) >= sizeof address.sun_path)
         return outcome_fail(err, OUTCOME_REFUSED, "%s: the path of a socket has at most %zu bytes", endpoint,
                             sizeof address.sun_path - 1);
@@ -32,6 +30,8 @@ enum outcome wire_probe(const char *endpoint, struct scree_error *err)
 {
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     const char *path = endpoint + 6;
+    if (network_endpoint(endpoint))
+        return network_probe(endpoint, err);
     size_t length = strlen(path);
     memcpy(address.sun_path, path, length);
     if (*path == '@') // the abstract namespace, as ZeroMQ writes it
@@ -57,7 +57,8 @@ void *wire_connect(void *context, const char *endpoint, int64_t message_max)
     if (socket && (zmq_setsockopt(socket, ZMQ_LINGER, &no_linger, sizeof no_linger) ||
                    zmq_setsockopt(socket, ZMQ_RECONNECT_IVL, &retry_ms, sizeof retry_ms) ||
                    zmq_setsockopt(socket, ZMQ_RECONNECT_IVL_MAX, &retry_max_ms, sizeof retry_max_ms) ||
-                   zmq_setsockopt(socket, ZMQ_MAXMSGSIZE, &message_max, sizeof message_max) || zmq_connect(socket, endpoint))) {
+                   zmq_setsockopt(socket, ZMQ_MAXMSGSIZE, &message_max, sizeof message_max) ||
+                   (network_endpoint(endpoint) && network_keys(socket, NULL)) || zmq_connect(socket, endpoint))) {
         zmq_close(socket);
         return NULL;
     }

@@ -12,14 +12,15 @@
 
 enum { WIRE_FRAMES_MAX = 3, WIRE_ENDPOINT_MAX = 256 };
 
-/* Only ipc:// until connections over the network are encrypted. */
+/* Refuses what is neither ipc://PATH nor tcp://HOST:PORT. */
 enum outcome wire_endpoint_check(const char *endpoint, struct scree_error *err);
 
-/* Tries the socket behind an ipc:// endpoint: nobody there is known at once,
- * while ZeroMQ itself would go on trying for ever. */
+/* Tries the socket behind an endpoint: nobody there, or nobody who lets us in, is
+ * known at once, while ZeroMQ itself would go on trying for ever. */
 enum outcome wire_probe(const char *endpoint, struct scree_error *err);
 
-/* A DEALER connected to `endpoint`, NULL on lack of resources. Messages above `message_max` bytes are not accepted. */
+/* A DEALER connected to `endpoint`, NULL on lack of resources (or of keys, which
+ * wire_probe tells of). Messages above `message_max` bytes are not accepted. */
 void *wire_connect(void *context, const char *endpoint, int64_t message_max);
 
 /* Sends version, header and, when not NULL, body. Never waits: false when it cannot be sent. */

@@ -127,9 +127,6 @@ static enum scree_status decode_vec3(const cJSON *item, const char *path, double
     return SCREE_OK;
 }
 
-static enum scree_status decode_table(const struct field_table *table, const cJSON *json, const char *path, void *object,
-                                      const char *const *others, struct scree_error *err);
-
 static enum scree_status decode_row(const struct field *row, const cJSON *item, const char *path, void *value,
                                     struct scree_error *err)
 {
@@ -155,17 +152,16 @@ static enum scree_status decode_row(const struct field *row, const cJSON *item, 
     case FIELD_FLAGS:
         return decode_flags(row, item, path, value, err);
     case FIELD_GROUP:
-        return decode_table(row->table, item, path, value, NULL, err);
+        return table_decode(row->table, item, path, value, NULL, err);
     case FIELD_SWITCH:
         *(bool *)value = !cJSON_IsNull(item);
-        return cJSON_IsNull(item) ? SCREE_OK : decode_table(row->table, item, path, value, NULL, err);
+        return cJSON_IsNull(item) ? SCREE_OK : table_decode(row->table, item, path, value, NULL, err);
     }
     return SCREE_INTERNAL;
 }
 
-/* Every member of `json` into its row; keys in `others` are somebody else's. */
-static enum scree_status decode_table(const struct field_table *table, const cJSON *json, const char *path, void *object,
-                                      const char *const *others, struct scree_error *err)
+enum scree_status table_decode(const struct field_table *table, const cJSON *json, const char *path, void *object,
+                               const char *const *others, struct scree_error *err)
 {
     if (!cJSON_IsObject(json))
         return wrong_type(path, "an object", json, err);
@@ -240,16 +236,16 @@ static enum scree_status decode_material(const cJSON *material, struct job_spec 
         }
         out->material = found->values;
     }
-    return decode_table(&material_table, material, "material", &out->material, material_others, err);
+    return table_decode(&material_table, material, "material", &out->material, material_others, err);
 }
 
 enum scree_status job_decode(const cJSON *json, struct job_spec *out, struct scree_error *err)
 {
     enum scree_status status = decode_scenario(json, out, err);
-    if (status || (status = decode_table(&job_table, json, "", out, job_others, err)))
+    if (status || (status = table_decode(&job_table, json, "", out, job_others, err)))
         return status;
     const cJSON *params = json_get(json, "params"), *material = json_get(json, "material");
-    if (params && (status = decode_table(out->scenario->params, params, "params", out->params, NULL, err)))
+    if (params && (status = table_decode(out->scenario->params, params, "params", out->params, NULL, err)))
         return status;
     if (material && (status = decode_material(material, out, err)))
         return status;
@@ -263,7 +259,7 @@ enum scree_status job_decode(const cJSON *json, struct job_spec *out, struct scr
 
 static cJSON *encode_table(const struct field_table *table, const void *object);
 
-static cJSON *encode_row(const struct field *row, const void *value)
+cJSON *field_encode(const struct field *row, const void *value)
 {
     cJSON *array;
     switch (row->type) {
@@ -296,17 +292,17 @@ static cJSON *encode_row(const struct field *row, const void *value)
     return NULL;
 }
 
-static void encode_into(cJSON *json, const struct field_table *table, const void *object)
+void table_encode_into(cJSON *json, const struct field_table *table, const void *object)
 {
     for (size_t k = 0; k < table->count; k++)
-        json_put(json, table->fields[k].name, encode_row(&table->fields[k], (const char *)object + table->fields[k].offset));
+        json_put(json, table->fields[k].name, field_encode(&table->fields[k], (const char *)object + table->fields[k].offset));
 }
 
 static cJSON *encode_table(const struct field_table *table, const void *object)
 {
     cJSON *json = cJSON_CreateObject();
     if (json)
-        encode_into(json, table, object);
+        table_encode_into(json, table, object);
     return json;
 }
 
@@ -316,12 +312,12 @@ cJSON *job_encode(const struct job_spec *job)
     if (!json)
         return NULL;
     json_put_text(json, "scenario", job->scenario->name);
-    encode_into(json, &job_table, job);
+    table_encode_into(json, &job_table, job);
     json_put(json, "params", encode_table(job->scenario->params, job->params));
     cJSON *material = cJSON_CreateObject();
     if (material) {
         json_put_text(material, "preset", job->material.preset);
-        encode_into(material, &material_table, &job->material);
+        table_encode_into(material, &material_table, &job->material);
         json_put(json, "material", material);
     }
     return json;
@@ -388,7 +384,7 @@ cJSON *table_describe(const struct field_table *table)
             json_put_real(item, "max", row->max);
         }
         if (row->type != FIELD_GROUP)
-            json_put(item, "default", encode_row(row, defaults + row->offset));
+            json_put(item, "default", field_encode(row, defaults + row->offset));
         if (row->choices) {
             cJSON *choices = cJSON_CreateArray();
             for (int c = 0; choices && row->choices[c]; c++)

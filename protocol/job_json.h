@@ -20,6 +20,16 @@ cJSON *job_encode(const struct job_spec *job);
  * is read as JSON if it is JSON, else as a string. Creates objects on the way. */
 enum scree_status job_json_set(cJSON *json, const char *assignment, struct scree_error *err);
 
+/* Every member of an object into its row of a table, below `path` in messages; keys
+ * in `others` (NULL-terminated, or NULL) are somebody else's. Types and choices are
+ * checked, ranges are left to field_check. */
+enum scree_status table_decode(const struct field_table *table, const cJSON *json, const char *path, void *object,
+                               const char *const *others, struct scree_error *err);
+
+/* One value, and all of a table's values into an object. */
+cJSON *field_encode(const struct field *row, const void *value);
+void table_encode_into(cJSON *json, const struct field_table *table, const void *object);
+
 /* A table, or everything about a scenario or a preset, as JSON (what
  * `scree scenarios --json` prints). */
 cJSON *table_describe(const struct field_table *table);

@@ -4,6 +4,7 @@
 
 #include <ctype.h>
 #include <errno.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,33 +12,46 @@
 
 #include "auth.h"
 #include "protocol/frame.h"
+#include "protocol/keys.h"
 
-const char config_help[] =
-    "screed - holds granular worlds in memory and runs them\n"
-    "\n"
-    "usage: screed [--config FILE] [--listen ENDPOINT] [--data DIR] [--workers N] [--runtime DIR]\n"
-    "       screed bench [--case flow|rest|big | --state FILE] ...   (screed bench --help)\n"
-    "\n"
-    "  --config FILE      read options from FILE: lines `name = value`, # starts a comment\n"
-    "  --listen ENDPOINT  control endpoint, ipc://PATH; stream and events sockets lie beside it\n"
-    "                     (default: ipc://RUNTIME/control)\n"
-    "  --runtime DIR      directory of the sockets, mode 0700\n"
-    "                     (default: $SCREE_RUNTIME, $XDG_RUNTIME_DIR/scree, /tmp/scree-UID)\n"
-    "  --data DIR         journal and jobs (default: $SCREE_DATA, $XDG_DATA_HOME/scree, ~/.local/share/scree)\n"
-    "  --workers N        jobs that run at once (default: one a processor)\n"
-    "  --checkpoint-s S   wall time between checkpoints of a running job (default: 60; 0: only when it is steered)\n"
-    "  --disk-floor GB    free disk space below which jobs are held (default: 1, or a twentieth of a small disk)\n"
-    "  --memory GB        memory for all worlds together; a job that does not fit is held (default: what is free)\n"
-    "  --log FILE         append the log to FILE, opened again at SIGHUP (default: stderr)\n"
-    "  --ready-fd N       write \"ready\" to file descriptor N once clients can connect\n"
-    "  --parent PID       end when process PID ends\n"
-    "  --help, --version\n"
-    "\n"
-    "Runs in the foreground and logs to stderr. SIGTERM ends it after the current slices and a checkpoint of each job,\n"
-    "within ten seconds; a second one at once. Jobs that were running go on at the next start.\n"
-    "\n"
-    "example: screed --data ./data --workers 2 &\n"
-    "         scree submit client/examples/slidequake.json\n";
+#define AT(member) offsetof(struct config, member)
+
+const struct config_option config_options[] = {
+    {"listen", "ENDPOINT",
+     "ipc://PATH: the control endpoint, in a folder of its own, where the stream and events sockets lie beside it (in place of "
+     "runtime). tcp://ADDRESS:PORT: one for the network besides, encrypted and for trusted keys only; streams are on PORT + 1, "
+     "events on PORT + 2; ADDRESS is one of this machine's, or 0.0.0.0 or [::] for all. May be given twice, once for each",
+     "ipc://RUNTIME/control, no network", CONFIG_TEXT, AT(listen), 0, 0},
+    {"runtime", "DIR", "folder of the sockets, mode 0700: whoever can enter it may do everything",
+     "$SCREE_RUNTIME, $XDG_RUNTIME_DIR/scree, /tmp/scree-UID", CONFIG_TEXT, AT(runtime), 0, 0},
+    {"data", "DIR", "journal and jobs", "$SCREE_DATA, $XDG_DATA_HOME/scree, ~/.local/share/scree", CONFIG_TEXT, AT(data), 0, 0},
+    {"workers", "N", "jobs that run at once", "one a processor", CONFIG_NUMBER, AT(workers), 1, 1024},
+    {"keys", "DIR", "folder with server.key and the list of trusted keys, mode 0700; read only with a network endpoint",
+     "$SCREE_KEYS, $XDG_CONFIG_HOME/scree/keys, ~/.config/scree/keys", CONFIG_TEXT, AT(keys), 0, 0},
+    {"max-jobs-per-user", "N", "jobs that a user from the network may have waiting or running", "64", CONFIG_NUMBER, AT(max_jobs),
+     1, 1000000},
+    {"max-fetches-per-user", "N", "results that a user from the network may have in the making", "8", CONFIG_NUMBER,
+     AT(max_fetches), 1, 256},
+    {"max-streams-per-user", "N", "streams that a user from the network may have open", "256", CONFIG_NUMBER, AT(max_streams), 1,
+     4096},
+    {"max-connections", "N", "connections from the network at once; a sixteenth of them, at least 8, may be new and unproven",
+     "256", CONFIG_NUMBER, AT(max_connections), 16, 16384},
+    {"handshake-s", "N", "seconds within which a connection must have proved who it is", "5", CONFIG_NUMBER, AT(handshake_s), 1,
+     60},
+    {"stall-s", "N", "seconds after which a running job that does not move stops the service manager's watchdog from being fed",
+     "1800", CONFIG_NUMBER, AT(stall_s), 1, 1000000},
+    {"checkpoint-s", "S", "wall time between checkpoints of a running job, s; 0: only when it is steered", "60", CONFIG_REAL,
+     AT(checkpoint_s), 0, 1e6},
+    {"disk-floor", "GB", "free disk space below which jobs are held, GB", "1, or a twentieth of a small disk", CONFIG_REAL,
+     AT(disk_floor_gb), 0, 1e9},
+    {"memory", "GB", "memory for all worlds together, GB; a job that does not fit is held", "what is free", CONFIG_REAL,
+     AT(memory_gb), 0, 1e9},
+    {"log", "FILE", "append the log to FILE, which SIGHUP opens anew", "stderr", CONFIG_TEXT, AT(log), 0, 0},
+    {"ready-fd", "N", "write \"ready\" to file descriptor N once clients can connect", "none", CONFIG_NUMBER, AT(ready_fd), 0,
+     1 << 20},
+    {"parent", "PID", "end when process PID ends", "none", CONFIG_NUMBER, AT(parent), 1, 1 << 30},
+    {.name = NULL},
+};
 
 static enum scree_status set_text(char *out, const char *value, const char *name, struct scree_error *err)
 {
@@ -46,49 +60,40 @@ static enum scree_status set_text(char *out, const char *value, const char *name
     return SCREE_OK;
 }
 
-static enum scree_status set_number(int *out, const char *value, const char *name, long low, long high, struct scree_error *err)
+static enum scree_status set_number(char *field, const char *value, const struct config_option *o, struct scree_error *err)
 {
     char *end;
     errno = 0;
-    long number = strtol(value, &end, 10);
-    if (errno || *end || end == value || number < low || number > high)
-        return scree_fail(err, SCREE_INVALID, name, "%s: \"%s\" is not a whole number in %ld..%ld", name, value, low, high);
-    *out = (int)number;
+    double number = strtod(value, &end);
+    bool whole = o->kind == CONFIG_NUMBER;
+    if (errno || *end || end == value || !(number >= o->low && number <= o->high) || (whole && number != (double)(int)number))
+        return scree_fail(err, SCREE_INVALID, o->name, "%s: \"%s\" is not a %snumber in %.10g..%.10g", o->name, value,
+                          whole ? "whole " : "", o->low, o->high);
+    if (whole)
+        *(int *)(void *)field = (int)number;
+    else
+        *(double *)(void *)field = number;
     return SCREE_OK;
 }
 
-static enum scree_status set_real(double *out, const char *value, const char *name, double high, struct scree_error *err)
+/* `listen` is two: what is reached from this machine and what from others. */
+static enum scree_status set_listen(struct config *config, const char *value, struct scree_error *err)
 {
-    char *end;
-    double number = strtod(value, &end);
-    if (*end || end == value || !(number >= 0 && number <= high))
-        return scree_fail(err, SCREE_INVALID, name, "%s: \"%s\" is not a number in 0..%g", name, value, high);
-    *out = number;
-    return SCREE_OK;
+    if (strncmp(value, "tcp://", 6) == 0)
+        return set_text(config->network, value, "listen", err);
+    return set_text(config->listen, value, "listen", err);
 }
 
 static enum scree_status set_option(struct config *config, const char *name, const char *value, struct scree_error *err)
 {
-    if (strcmp(name, "checkpoint-s") == 0)
-        return set_real(&config->checkpoint_s, value, name, 1e6, err);
-    if (strcmp(name, "disk-floor") == 0)
-        return set_real(&config->disk_floor_gb, value, name, 1e9, err);
-    if (strcmp(name, "memory") == 0)
-        return set_real(&config->memory_gb, value, name, 1e9, err);
-    if (strcmp(name, "log") == 0)
-        return set_text(config->log, value, name, err);
-    if (strcmp(name, "listen") == 0)
-        return set_text(config->listen, value, name, err);
-    if (strcmp(name, "runtime") == 0)
-        return set_text(config->runtime, value, name, err);
-    if (strcmp(name, "data") == 0)
-        return set_text(config->data, value, name, err);
-    if (strcmp(name, "workers") == 0)
-        return set_number(&config->workers, value, name, 1, 1024, err);
-    if (strcmp(name, "ready-fd") == 0)
-        return set_number(&config->ready_fd, value, name, 0, 1 << 20, err);
-    if (strcmp(name, "parent") == 0)
-        return set_number(&config->parent, value, name, 1, 1 << 30, err);
+    for (const struct config_option *o = config_options; o->name; o++) {
+        if (strcmp(o->name, name) != 0)
+            continue;
+        if (o->offset == offsetof(struct config, listen))
+            return set_listen(config, value, err);
+        char *field = (char *)config + o->offset;
+        return o->kind == CONFIG_TEXT ? set_text(field, value, name, err) : set_number(field, value, o, err);
+    }
     return scree_fail(err, SCREE_INVALID, name, "unknown option \"%s\"; screed --help lists them", name);
 }
 
@@ -178,6 +183,12 @@ static enum scree_status finish(struct config *config, struct scree_error *err)
         if ((status = protocol_endpoint(config->runtime, "control", config->listen, sizeof config->listen, err)))
             return status;
     }
+    if (*config->network) {
+        if (!*config->keys && (status = keys_folder(config->keys, sizeof config->keys, err)))
+            return status;
+        if ((status = make_absolute(config->keys, "keys", err)) || (status = auth_check_network(config->network, err)))
+            return status;
+    }
     if ((status = protocol_endpoint(config->runtime, "stream", config->stream, sizeof config->stream, err)))
         return status;
     return protocol_endpoint(config->runtime, "events", config->events, sizeof config->events, err);
@@ -186,8 +197,17 @@ static enum scree_status finish(struct config *config, struct scree_error *err)
 enum scree_status config_read(struct config *config, int argc, char **argv, struct scree_error *err)
 {
     long processors = sysconf(_SC_NPROCESSORS_ONLN);
-    *config = (struct config){
-        .workers = processors > 0 ? (int)processors : 1, .checkpoint_s = 60, .disk_floor_gb = -1, .memory_gb = -1, .ready_fd = -1};
+    *config = (struct config){.workers = processors > 0 ? (int)processors : 1,
+                              .checkpoint_s = 60,
+                              .disk_floor_gb = -1,
+                              .memory_gb = -1,
+                              .ready_fd = -1,
+                              .max_jobs = 64,
+                              .max_fetches = 8,
+                              .max_streams = 256,
+                              .max_connections = 256,
+                              .stall_s = 1800,
+                              .handshake_s = 5};
     enum scree_status status = SCREE_OK;
     /* The file first, so that options override it wherever it stands. */
     for (int pass = 0; pass < 2; pass++)
@@ -197,8 +217,8 @@ enum scree_status config_read(struct config *config, int argc, char **argv, stru
                 config->help = true;
                 return SCREE_OK;
             }
-            if (strcmp(name, "--version") == 0) {
-                config->version = true;
+            if (strcmp(name, "--version") == 0 || strcmp(name, "--man") == 0) {
+                *(name[2] == 'v' ? &config->version : &config->man) = true;
                 return SCREE_OK;
             }
             if (strncmp(name, "--", 2) != 0)

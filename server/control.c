@@ -17,11 +17,15 @@
 #include <zmq.h>
 
 #include "auth.h"
+#include "gate.h"
+#include "limits.h"
 #include "log.h"
+#include "notify.h"
 #include "requests.h"
 #include "streams.h"
+#include "study_requests.h"
 
-enum { PEER_MAX = 256, FRAMES_MAX = 8, PENDING_MAX = 256, PROGRESS_MS = 200 };
+enum { PEER_MAX = 256, FRAMES_MAX = 8, PENDING_MAX = 256, PROGRESS_MS = 200, STUDY_TURNS = 8 };
 
 /* A fetch or a steering command whose answer is still to come. */
 struct pending {
@@ -29,12 +33,16 @@ struct pending {
     unsigned char peer[PEER_MAX];
     size_t peer_size;
     char id[PROTOCOL_ID_MAX + 1];
+    char user[KEY_NAME_MAX]; // "" for the owner
 };
 
 struct control {
     struct daemon daemon;
     void *context, *control, *stream, *events;
     struct streams *streams;
+    struct auth *auth;
+    struct gate *gate; // NULL without a network
+    struct notify *notify;
     int wake_fd, signal_fd, signals;
     struct pending pending[PENDING_MAX];
     struct timespec last_progress;
@@ -42,7 +50,27 @@ struct control {
 
 /* ---- sockets ---- */
 
-static void *open_socket(struct control *c, int type, const char *endpoint, struct scree_error *err)
+/* One socket for both ways in; what is set before each bind holds for that way. */
+static bool bind_socket(struct control *c, void *socket, const char *endpoint, int index, struct scree_error *err)
+{
+    char inner[CONFIG_PATH_MAX];
+    if (auth_guard_local(socket, err))
+        return false;
+    if (zmq_bind(socket, endpoint) != 0) {
+        scree_fail(err, SCREE_IO, "listen", "cannot listen on %s: %s", endpoint, zmq_strerror(errno));
+        return false;
+    }
+    if (!*c->daemon.config->network)
+        return true;
+    if (gate_inner(c->daemon.config, index, inner, err) || auth_guard_network(c->auth, socket, err))
+        return false;
+    if (zmq_bind(socket, inner) == 0)
+        return true;
+    scree_fail(err, SCREE_IO, "listen", "cannot listen on %s: %s", inner, zmq_strerror(errno));
+    return false;
+}
+
+static void *open_socket(struct control *c, int type, const char *endpoint, int index, struct scree_error *err)
 {
     void *socket = zmq_socket(c->context, type);
     int mandatory = 1, linger = 200, queue = 256;
@@ -59,8 +87,7 @@ static void *open_socket(struct control *c, int type, const char *endpoint, stru
         zmq_setsockopt(socket, ZMQ_ROUTER_MANDATORY, &mandatory, sizeof mandatory);
     else
         zmq_setsockopt(socket, ZMQ_XPUB_VERBOSE, &mandatory, sizeof mandatory);
-    if (zmq_bind(socket, endpoint) != 0) {
-        scree_fail(err, SCREE_IO, "listen", "cannot listen on %s: %s", endpoint, zmq_strerror(errno));
+    if (!bind_socket(c, socket, endpoint, index, err)) {
         zmq_close(socket);
         return NULL;
     }
@@ -100,11 +127,13 @@ static enum scree_status open_sockets(struct control *c, struct scree_error *err
     c->context = zmq_ctx_new();
     if (!c->context)
         return scree_fail(err, SCREE_IO, "", "no messaging context: %s", zmq_strerror(errno));
-    if (!(c->control = open_socket(c, ZMQ_ROUTER, config->listen, err)) ||
-        !(c->stream = open_socket(c, ZMQ_ROUTER, config->stream, err)) ||
-        !(c->events = open_socket(c, ZMQ_XPUB, config->events, err)))
+    if ((status = auth_open(&c->auth, c->context, config, err)))
+        return status;
+    if (!(c->control = open_socket(c, ZMQ_ROUTER, config->listen, 0, err)) ||
+        !(c->stream = open_socket(c, ZMQ_ROUTER, config->stream, 1, err)) ||
+        !(c->events = open_socket(c, ZMQ_XPUB, config->events, 2, err)))
         return SCREE_IO;
-    return SCREE_OK;
+    return *config->network ? gate_open(&c->gate, config, err) : SCREE_OK;
 }
 
 /* ---- replies and events ---- */
@@ -121,15 +150,20 @@ static void send_reply(struct control *c, const void *peer, size_t peer_size, cJ
     free(text);
 }
 
-static void publish(struct control *c, const struct job *job, const char *kind, cJSON *json)
+static void publish_text(struct control *c, const char *topic, cJSON *json)
 {
-    char topic[64];
     char *text = json ? json_print(json, false) : NULL;
     cJSON_Delete(json);
-    snprintf(topic, sizeof topic, "job/%s/%s", job->id, kind);
     if (text && zmq_send(c->events, topic, strlen(topic), ZMQ_SNDMORE | ZMQ_DONTWAIT) >= 0)
         zmq_send(c->events, text, strlen(text), ZMQ_DONTWAIT);
     free(text);
+}
+
+static void publish(struct control *c, const struct job *job, const char *kind, cJSON *json)
+{
+    char topic[64];
+    snprintf(topic, sizeof topic, "job/%s/%s", job->id, kind);
+    publish_text(c, topic, json);
 }
 
 static void publish_heads(struct control *c, const struct job *job)
@@ -202,6 +236,30 @@ static void job_steered(void *context, uint64_t ticket, const struct job *job, c
     }
 }
 
+static void study_changed(void *context, const struct study *study)
+{
+    struct control *c = context;
+    char topic[64];
+    cJSON *json = cJSON_CreateObject();
+    json_put_text(json, "study", study->id);
+    json_put_text(json, "state", job_state_word(study->state));
+    snprintf(topic, sizeof topic, "job/%s/state", study->id);
+    publish_text(c, topic, json);
+}
+
+static void study_recorded(void *context, const struct record_order *order)
+{
+    struct control *c = context;
+    for (int k = 0; k < PENDING_MAX; k++) {
+        struct pending *p = &c->pending[k];
+        if (p->ticket != order->ticket)
+            continue;
+        p->ticket = 0;
+        send_reply(c, p->peer, p->peer_size, study_recorded_reply(p->id, order));
+        return;
+    }
+}
+
 /* ---- requests ---- */
 
 /* The same request again: only one answer is owed. */
@@ -224,9 +282,29 @@ static struct pending *keep_pending(struct control *c, const void *peer, size_t 
         memcpy(p->peer, peer, peer_size);
         p->peer_size = peer_size;
         snprintf(p->id, sizeof p->id, "%s", id);
+        snprintf(p->user, sizeof p->user, "%s", c->daemon.user.name);
         return p;
     }
     return NULL;
+}
+
+static size_t count_pending(const struct control *c, const struct user *user)
+{
+    size_t count = 0;
+    for (int k = 0; k < PENDING_MAX; k++)
+        count += c->pending[k].ticket && strcmp(c->pending[k].user, user->name) == 0;
+    return count;
+}
+
+/* Whether the sender of this message may have it carried out. */
+static enum scree_status permit(struct control *c, const struct envelope *envelope, zmq_msg_t *header, struct scree_error *err)
+{
+    c->daemon.user = auth_user(c->auth, header);
+    const struct user *user = &c->daemon.user;
+    enum scree_status status = auth_permit(user, envelope->op, err);
+    if (!status && strcmp(envelope->op, "fetch") == 0)
+        status = limits_check(user, count_pending(c, user), c->daemon.config->max_fetches, "results in the making", err);
+    return status;
 }
 
 static void bad_request(struct control *c, const void *peer, size_t peer_size, const char *id, const struct scree_error *error)
@@ -242,6 +320,11 @@ static void handle(struct control *c, const void *peer, size_t peer_size, zmq_ms
     struct pending *pending = NULL;
     if (envelope_read(zmq_msg_data(header), zmq_msg_size(header), &envelope, &error)) {
         bad_request(c, peer, peer_size, envelope.id, &error);
+        return;
+    }
+    enum scree_status denied = permit(c, &envelope, header, &error);
+    if (denied) {
+        send_reply(c, peer, peer_size, reply_error(envelope.id, scree_status_word(denied), &error));
         return;
     }
     if (json_read(zmq_msg_data(body), zmq_msg_size(body), "body", &json, &error)) {
@@ -358,11 +441,10 @@ static void loop(struct control *c)
 {
     bool more = false;
     while (!c->daemon.ending) {
-        zmq_pollitem_t items[] = {{.socket = c->control, .events = ZMQ_POLLIN},
-                                  {.socket = c->stream, .events = ZMQ_POLLIN},
-                                  {.socket = c->events, .events = ZMQ_POLLIN},
-                                  {.fd = c->wake_fd, .events = ZMQ_POLLIN},
-                                  {.fd = c->signal_fd, .events = ZMQ_POLLIN}};
+        zmq_pollitem_t items[] = {
+            {.socket = c->control, .events = ZMQ_POLLIN}, {.socket = c->stream, .events = ZMQ_POLLIN},
+            {.socket = c->events, .events = ZMQ_POLLIN},  {.fd = c->wake_fd, .events = ZMQ_POLLIN},
+            {.fd = c->signal_fd, .events = ZMQ_POLLIN},   {.socket = auth_socket(c->auth), .events = ZMQ_POLLIN}};
         eventfd_t wakes;
         zmq_poll(items, sizeof items / sizeof *items, more ? 5 : 1000);
         if (items[3].revents)
@@ -371,10 +453,14 @@ static void loop(struct control *c)
             read_signals(c);
         if (items[2].revents)
             drain_events(c);
+        auth_turn(c->auth);
         receive(c);
         scheduler_turn(c->daemon.scheduler);
+        for (int turns = 0; turns < STUDY_TURNS && studies_turn(c->daemon.studies); turns++)
+            scheduler_turn(c->daemon.scheduler); // trials that were submitted start at once
         streams_receive(c->streams);
         more = streams_send(c->streams);
+        notify_turn(c->notify, c->daemon.scheduler);
         if (parent_is_gone(c)) {
             log_line(LOG_INFO, "parent=%d is gone, ending", c->daemon.config->parent);
             c->daemon.ending = true;
@@ -426,15 +512,22 @@ enum scree_status control_run(const struct config *config, struct scree_error *e
     sigaddset(&signals, SIGHUP);
     c->wake_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     c->signal_fd = signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK);
-    const struct scheduler_watch watch = {.changed = job_changed, .fetched = job_fetched, .steered = job_steered, .context = c};
+    const struct scheduler_watch watch = {
+        .changed = job_changed, .fetched = job_fetched, .recorded = study_recorded, .steered = job_steered, .context = c};
+    const struct studies_watch study_watch = {.changed = study_changed, .context = c};
     if (*config->log && (status = log_open(config->log, err)))
         goto out;
-    if ((status = open_sockets(c, err)) || (status = scheduler_open(&c->daemon.scheduler, config, c->wake_fd, &watch, err)) ||
-        (status = streams_open(&c->streams, c->stream, c->daemon.scheduler, err)))
+    if ((status = notify_open(&c->notify, config->stall_s, err)) || (status = open_sockets(c, err)) ||
+        (status = scheduler_open(&c->daemon.scheduler, config, c->wake_fd, &watch, err)) ||
+        (status = studies_open(&c->daemon.studies, c->daemon.scheduler, config, &study_watch, err)) ||
+        (status = streams_open(&c->streams, c->stream, c->daemon.scheduler, c->auth, config->max_streams, err)))
         goto out;
-    log_line(LOG_INFO, "listen=%s data=%s workers=%d version=%s", config->listen, config->data, config->workers, scree_build());
+    log_line(LOG_INFO, "listen=%s network=%s data=%s workers=%d version=%s", config->listen,
+             *config->network ? config->network : "none", config->data, config->workers, scree_build());
     say_ready(config);
+    notify_ready(c->notify);
     loop(c);
+    notify_stopping(c->notify);
     if (pthread_create(&watcher, NULL, second_signal, (void *)(intptr_t)c->signal_fd) == 0)
         pthread_detach(watcher);
 out:
@@ -443,13 +536,17 @@ out:
     if (c->events)
         zmq_close(c->events);
     c->events = NULL;
+    studies_close(c->daemon.studies); // trials that end from here on are looked at when the daemon starts again
     scheduler_close(c->daemon.scheduler);
     if (c->control)
         zmq_close(c->control);
     if (c->stream)
         zmq_close(c->stream);
+    auth_close(c->auth);
+    notify_close(c->notify);
     if (c->context)
         zmq_ctx_term(c->context);
+    gate_close(c->gate);
     if (!status)
         log_line(LOG_INFO, "ended");
     close(c->wake_fd);

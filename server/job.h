@@ -14,7 +14,7 @@
 
 enum job_state { JOB_QUEUED, JOB_RUNNING, JOB_PAUSED, JOB_DONE, JOB_FAILED, JOB_CANCELLED, JOB_HELD, JOB_STATES };
 
-enum { JOB_ID_MAX = 24, JOB_STREAMS_MAX = 12, JOB_NOTE_MAX = 512 };
+enum { JOB_ID_MAX = 24, JOB_STREAMS_MAX = 12, JOB_NOTE_MAX = 512, JOB_REQUEST_MAX = 112 };
 
 /* What a run has come to; written by the worker under `lock`, read by control. */
 struct run_report {
@@ -52,7 +52,7 @@ enum command_op { COMMAND_PAUSE, COMMAND_RESUME, COMMAND_CANCEL, COMMAND_CHECKPO
 struct command {
     int64_t number;
     struct job *job;
-    char request[72];
+    char request[JOB_REQUEST_MAX];
     enum command_op op;
     char *detail;    // JSON, owned
     int64_t step;    // at which it took effect, or COMMAND_PENDING, COMMAND_VOID
@@ -125,7 +125,7 @@ enum hold { HOLD_NONE, HOLD_DISK, HOLD_MEMORY, HOLD_FAULT };
 struct job {
     int64_t number;
     char id[JOB_ID_MAX];
-    char request[72];
+    char request[JOB_REQUEST_MAX]; // of its submit; NAME/ before it if a user from the network sent it
     enum job_state state;
     char *spec_text;                  // resolved, one line, as submitted; owned
     char *origin;                     // JSON: {"fork": {...}} and, or {"replay": {...}}; "" if it starts by itself; owned

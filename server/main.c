@@ -34,9 +34,11 @@ int main(int argc, char **argv)
         return bench_main(argc - 1, argv + 1);
     if (config_read(&config, argc, argv, &error))
         return complain(&error);
-    if (config.help || config.version) {
+    if (config.help || config.version || config.man) {
         if (config.help)
-            fputs(config_help, stdout);
+            config_print_help(stdout);
+        else if (config.man)
+            config_print_man(stdout);
         else
             printf("screed %s\n", scree_build());
         return 0;

@@ -112,6 +112,10 @@ static void carry_out(struct record_order *order)
         return;
     }
     struct reader reader = {.order = order};
+    if (order->write) {
+        order->status = order->write(order, &order->error);
+        return;
+    }
     const struct scree_source source = {.next = next_chunk, .context = &reader};
     const struct scree_result result = {.path = order->path,
                                         .spec_json = order->spec_text,
@@ -232,6 +236,8 @@ struct record_order *recorder_take(struct recorder *recorder)
 
 void record_order_free(struct record_order *order)
 {
+    if (order && order->release)
+        order->release(order->content);
     if (order) {
         scree_image_free(order->image);
         free(order->journal_text);

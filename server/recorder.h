@@ -22,6 +22,10 @@ struct record_order {
     struct job_spec spec;
     char id[JOB_ID_MAX], state[16], log_path[CONFIG_PATH_MAX + 64], path[CONFIG_PATH_MAX + 64];
     char *spec_text, *journal_text; // owned
+    /* When set, this writes the file instead, out of `content` (owned, freed by `release`). */
+    enum scree_status (*write)(const struct record_order *order, struct scree_error *err);
+    void (*release)(void *content);
+    void *content;
     struct run_report report;
     const struct scree_stream *streams[JOB_STREAMS_MAX];
     size_t stream_count;

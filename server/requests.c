@@ -13,8 +13,12 @@
 #include <unistd.h>
 
 #include "base/cpu.h"
+#include "gate.h"
+#include "health.h"
+#include "limits.h"
 #include "outcome.h"
 #include "protocol/job_json.h"
+#include "study_requests.h"
 
 /* Grain-steps per second assumed by `check`: a flow of some 1,000 grains on one
  * core of a processor of 2021, with records. */
@@ -31,15 +35,7 @@ static double monotonic(void)
 
 double requests_memory(void)
 {
-    char line[128];
-    double kilobytes = 0;
-    FILE *file = fopen("/proc/meminfo", "r");
-    while (file && fgets(line, sizeof line, file))
-        if (sscanf(line, "MemAvailable: %lf", &kilobytes) == 1)
-            break;
-    if (file)
-        fclose(file);
-    return 0.8 * 1024 * kilobytes;
+    return 0.8 * health_memory_available();
 }
 
 static void put_time(cJSON *json, const char *key, double unix_seconds)
@@ -76,6 +72,9 @@ cJSON *requests_summary(const struct job *job)
     put_time(json, "submitted", job->submitted);
     put_time(json, "started", job->started);
     put_time(json, "ended", job->ended);
+    char study[JOB_ID_MAX];
+    studies_parent(job, study);
+    json_put_text(json, "study", *study ? study : NULL);
     return json;
 }
 
@@ -100,16 +99,15 @@ static enum scree_status whole_number(const cJSON *body, const char *key, double
     return scree_fail(err, SCREE_INVALID, key, "%s: a whole number in %.0f..%.0f is expected", key, low, high);
 }
 
-/* ---- operations: each makes *result or fails ---- */
+/* ---- operations: each makes *result or fails; `id` is the request's, with its user's name before it ---- */
 
 static enum scree_status do_ping(struct daemon *daemon, const cJSON *body, const char *id, cJSON **result, struct scree_error *err)
 {
-    (void)body, (void)id, (void)err;
-    size_t counts[JOB_STATES];
-    cJSON *jobs = cJSON_CreateObject();
-    scheduler_states(daemon->scheduler, counts);
-    for (int k = 0; k < JOB_STATES; k++)
-        json_put_int(jobs, job_state_word((enum job_state)k), (long long)counts[k]);
+    (void)body, (void)id;
+    char stream[CONFIG_PATH_MAX], events[CONFIG_PATH_MAX];
+    bool outside = daemon->user.network;
+    if (outside && (gate_outer(daemon->config, 1, stream, err) || gate_outer(daemon->config, 2, events, err)))
+        return SCREE_INTERNAL;
     *result = cJSON_CreateObject();
     json_put_text(*result, "version", scree_build());
     json_put_text(*result, "protocol", PROTOCOL_VERSION);
@@ -117,10 +115,11 @@ static enum scree_status do_ping(struct daemon *daemon, const cJSON *body, const
     json_put_real(*result, "uptime_s", monotonic() - daemon->started);
     json_put_int(*result, "workers", daemon->config->workers);
     json_put_text(*result, "isa", cpu_isa_name(cpu_best()));
-    json_put_text(*result, "stream_endpoint", daemon->config->stream);
-    json_put_text(*result, "events_endpoint", daemon->config->events);
+    json_put_text(*result, "stream_endpoint", outside ? stream : daemon->config->stream);
+    json_put_text(*result, "events_endpoint", outside ? events : daemon->config->events);
     json_put_text(*result, "data_dir", daemon->config->data);
-    json_put(*result, "jobs", jobs);
+    json_put_text(*result, "role", role_word(daemon->user.role));
+    health_put(*result, daemon->config, daemon->scheduler);
     return SCREE_OK;
 }
 
@@ -129,8 +128,6 @@ static enum scree_status read_spec(const cJSON *body, struct job_spec *spec, str
     const cJSON *json = json_get(body, "spec");
     if (!json)
         return scree_fail(err, SCREE_INVALID, "spec", "spec: is missing");
-    if (json_get(json, "study"))
-        return scree_fail(err, SCREE_INVALID, "study", "study: this version runs single jobs; studies are not there yet");
     enum scree_status status = job_decode(json, spec, err);
     return status ? status : job_check(spec, requests_memory(), err);
 }
@@ -163,7 +160,8 @@ static enum scree_status do_submit(struct daemon *daemon, const cJSON *body, con
     struct job *job;
     bool reused;
     enum scree_status status = read_spec(body, &spec, err);
-    if (status || (status = scheduler_submit(daemon->scheduler, id, &spec, json_bool(body, "again", false), &job, &reused, err)))
+    if (status || (status = limits_check_jobs(daemon->config, daemon->scheduler, &daemon->user, id, err)) ||
+        (status = scheduler_submit(daemon->scheduler, id, &spec, json_bool(body, "again", false), &job, &reused, err)))
         return status;
     *result = cJSON_CreateObject();
     json_put_text(*result, "job", job->id);
@@ -201,6 +199,7 @@ static enum scree_status do_list(struct daemon *daemon, const cJSON *body, const
     }
     *result = cJSON_CreateObject();
     json_put(*result, "jobs", jobs);
+    json_put(*result, "studies", study_list(daemon, wanted, (size_t)limit));
     return SCREE_OK;
 }
 
@@ -299,13 +298,40 @@ static enum scree_status do_replay(struct daemon *daemon, const cJSON *body, con
 {
     struct job *job, *replay;
     enum scree_status status = find_job(daemon, body, &job, err);
-    if (status || (status = scheduler_replay(daemon->scheduler, id, job, &replay, err)))
+    if (status || (status = limits_check_jobs(daemon->config, daemon->scheduler, &daemon->user, id, err)) ||
+        (status = scheduler_replay(daemon->scheduler, id, job, &replay, err)))
         return status;
     *result = cJSON_CreateObject();
     json_put_text(*result, "job", replay->id);
     json_put_text(*result, "state", job_state_word(replay->state));
     json_put_text(*result, "of", job->id);
     return SCREE_OK;
+}
+
+enum scree_status requests_file_part(const char *id, const char *path, double offset, double bytes, cJSON **result,
+                                     struct scree_error *err)
+{
+    enum scree_status status = SCREE_OK;
+    int file = open(path, O_RDONLY | O_CLOEXEC);
+    struct stat info;
+    unsigned char *data = malloc((size_t)bytes);
+    char *text = malloc(4 * ((size_t)bytes + 2) / 3 + 8);
+    ssize_t size = file >= 0 && data && text && fstat(file, &info) == 0 ? pread(file, data, (size_t)bytes, (off_t)offset) : -1;
+    if (size < 0) {
+        status = scree_fail(err, SCREE_NOT_FOUND, "job", "%s has no file to read from: `fetch` comes first", id);
+    } else {
+        base64_encode(data, (size_t)size, text);
+        *result = cJSON_CreateObject();
+        json_put_int(*result, "offset", (long long)offset);
+        json_put_int(*result, "bytes", size);
+        json_put_int(*result, "total", (long long)info.st_size);
+        json_put_text(*result, "data", text);
+    }
+    if (file >= 0)
+        close(file);
+    free(data);
+    free(text);
+    return status;
 }
 
 static enum scree_status do_fetch_part(struct daemon *daemon, const cJSON *body, const char *id, cJSON **result,
@@ -320,26 +346,7 @@ static enum scree_status do_fetch_part(struct daemon *daemon, const cJSON *body,
         (status = whole_number(body, "bytes", PART_MAX, 1, PART_MAX, &bytes, err)))
         return status;
     scheduler_result_path(daemon->scheduler, job, job_state_ended(job->state), path, sizeof path);
-    int file = open(path, O_RDONLY | O_CLOEXEC);
-    struct stat info;
-    unsigned char *data = malloc((size_t)bytes);
-    char *text = malloc(4 * ((size_t)bytes + 2) / 3 + 8);
-    ssize_t size = file >= 0 && data && text && fstat(file, &info) == 0 ? pread(file, data, (size_t)bytes, (off_t)offset) : -1;
-    if (size < 0) {
-        status = scree_fail(err, SCREE_NOT_FOUND, "job", "%s has no file to read from: `fetch` comes first", job->id);
-    } else {
-        base64_encode(data, (size_t)size, text);
-        *result = cJSON_CreateObject();
-        json_put_int(*result, "offset", (long long)offset);
-        json_put_int(*result, "bytes", size);
-        json_put_int(*result, "total", (long long)info.st_size);
-        json_put_text(*result, "data", text);
-    }
-    if (file >= 0)
-        close(file);
-    free(data);
-    free(text);
-    return status;
+    return requests_file_part(job->id, path, offset, bytes, result, err);
 }
 
 static enum scree_status do_shutdown(struct daemon *daemon, const cJSON *body, const char *id, cJSON **result,
@@ -403,11 +410,14 @@ static enum scree_status start_steering(struct daemon *daemon, const struct enve
                                         struct scree_error *err)
 {
     struct job *job;
-    char *detail = NULL;
+    char *detail = NULL, request[LIMITS_REQUEST_MAX];
     enum command_op op = command_op_of(envelope->op);
+    limits_request(&daemon->user, envelope->id, request);
     enum scree_status status = find_job(daemon, body, &job, err);
+    if (!status && op == COMMAND_FORK)
+        status = limits_check_jobs(daemon->config, daemon->scheduler, &daemon->user, request, err);
     if (!status && !(status = read_assignments(body, op, &detail, err)))
-        status = scheduler_steer(daemon->scheduler, envelope->id, job, op, detail ? detail : "{}", daemon->tickets, err);
+        status = scheduler_steer(daemon->scheduler, request, job, op, detail ? detail : "{}", daemon->tickets, err);
     free(detail);
     return status;
 }
@@ -445,6 +455,9 @@ enum answer requests_handle(struct daemon *daemon, const struct envelope *envelo
     cJSON *result = NULL;
     enum scree_status status = SCREE_NOT_FOUND;
     size_t k = 0, count = sizeof operations / sizeof *operations;
+    if (study_request_is(envelope->op, body))
+        return study_request(daemon, envelope, body, reply);
+
     if (requests_may_wait(envelope->op)) {
         daemon->tickets++;
         bool fetch = strcmp(envelope->op, "fetch") == 0;
@@ -460,7 +473,9 @@ enum answer requests_handle(struct daemon *daemon, const struct envelope *envelo
         *reply = reply_error(envelope->id, "bad_request", &error);
         return ANSWER_NOW;
     }
-    status = operations[k].carry_out(daemon, body, envelope->id, &result, &error);
+    char request[LIMITS_REQUEST_MAX];
+    limits_request(&daemon->user, envelope->id, request);
+    status = operations[k].carry_out(daemon, body, request, &result, &error);
     *reply = status ? reply_error(envelope->id, scree_status_word(status), &error) : reply_ok(envelope->id, result);
     return ANSWER_NOW;
 }

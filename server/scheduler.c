@@ -412,6 +412,10 @@ static void image_recorded(struct scheduler *s, const struct record_order *order
 void scheduler_look_at_recorder(struct scheduler *s)
 {
     for (struct record_order *order; (order = recorder_take(s->recorder)); record_order_free(order)) {
+        if (order->write) {
+            s->watch.recorded(s->watch.context, order);
+            continue;
+        }
         struct job *job = scheduler_by_number(s, order->job);
         if (order->kind != RECORD_RESULT) {
             image_recorded(s, order);
@@ -561,6 +565,16 @@ enum scree_status scheduler_fetch(struct scheduler *s, struct job *job, uint64_t
         return scree_fail(err, SCREE_NOT_FOUND, "job", "%s is %s and has no result", job->id, job_state_word(job->state));
     s->watch.fetched(s->watch.context, ticket, job, path, NULL);
     return SCREE_OK;
+}
+
+void scheduler_record(struct scheduler *s, struct record_order *order)
+{
+    recorder_ask(s->recorder, order);
+}
+
+struct journal *scheduler_journal(struct scheduler *s)
+{
+    return s->journal;
 }
 
 struct job *scheduler_find(struct scheduler *s, const char *id)

@@ -8,6 +8,7 @@
 #include "protocol/json.h"
 
 struct scheduler;
+struct record_order;
 
 /* Told of every change: `job` has a new state, progress or chunks (`what`). */
 enum job_event { EVENT_STATE, EVENT_PROGRESS, EVENT_CHUNKS };
@@ -15,6 +16,8 @@ struct scheduler_watch {
     void (*changed)(void *context, const struct job *job, enum job_event what);
     /* A result up to now, asked for by scheduler_fetch, is there, or is not: `error` then says why. */
     void (*fetched)(void *context, uint64_t ticket, const struct job *job, const char *path, const struct scree_error *error);
+    /* An order of scheduler_record has been carried out. */
+    void (*recorded)(void *context, const struct record_order *order);
     /* A command of scheduler_steer has taken effect, waits for its job (step COMMAND_PENDING), or will not be (`error`). */
     void (*steered)(void *context, uint64_t ticket, const struct job *job, const struct command *command,
                     const struct scree_error *error);
@@ -50,6 +53,13 @@ enum scree_status scheduler_replay(struct scheduler *scheduler, const char *requ
 cJSON *scheduler_steering(const struct scheduler *scheduler, const struct job *job);
 /* A result file of the job as it stands; `fetched` is called with the ticket, perhaps at once. */
 enum scree_status scheduler_fetch(struct scheduler *scheduler, struct job *job, uint64_t ticket, struct scree_error *err);
+
+/* Has the recorder write a file that is no job's result (an order with `write`); takes the order over.
+ * `recorded` is told when it is there. */
+void scheduler_record(struct scheduler *scheduler, struct record_order *order);
+
+/* For tables of others in the same database. */
+struct journal *scheduler_journal(struct scheduler *scheduler);
 
 /* By id ("j17"), NULL if there is none. */
 struct job *scheduler_find(struct scheduler *scheduler, const char *id);

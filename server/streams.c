@@ -15,6 +15,7 @@
 #include <zmq.h>
 
 #include "base/memory.h"
+#include "limits.h"
 #include "protocol/frame.h"
 
 enum { PEER_MAX = 256, PER_PEER_MAX = 64, TOTAL_MAX = 4096, CHUNKS_A_TURN = 16, FRAMES_MAX = 8 };
@@ -22,6 +23,7 @@ enum { PEER_MAX = 256, PER_PEER_MAX = 64, TOTAL_MAX = 4096, CHUNKS_A_TURN = 16, 
 struct subscription {
     unsigned char peer[PEER_MAX];
     size_t peer_size;
+    char user[KEY_NAME_MAX]; // "" for the owner
     char key[PROTOCOL_ID_MAX + 1];
     int64_t job;
     char stream[CHUNK_NAME_MAX];
@@ -41,17 +43,23 @@ struct streams {
     void *socket;
     double now_s; // monotonic, as of this turn
     struct scheduler *scheduler;
+    struct auth *auth;
+    int per_user;
+    struct user user; // who sent the message that is being handled
     struct subscription **all;
     size_t count, room;
 };
 
-enum scree_status streams_open(struct streams **out, void *socket, struct scheduler *scheduler, struct scree_error *err)
+enum scree_status streams_open(struct streams **out, void *socket, struct scheduler *scheduler, struct auth *auth, int per_user,
+                               struct scree_error *err)
 {
     *out = calloc(1, sizeof **out);
     if (!*out)
         return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for streams");
     (*out)->socket = socket;
     (*out)->scheduler = scheduler;
+    (*out)->auth = auth;
+    (*out)->per_user = per_user;
     return SCREE_OK;
 }
 
@@ -324,6 +332,14 @@ static struct subscription *find(struct streams *s, const void *peer, size_t pee
     return found;
 }
 
+static size_t count_of_user(const struct streams *s)
+{
+    size_t count = 0;
+    for (size_t k = 0; k < s->count; k++)
+        count += strcmp(s->all[k]->user, s->user.name) == 0;
+    return count;
+}
+
 static enum scree_status open_subscription(struct streams *s, const void *peer, size_t peer_size, const char *key,
                                            const cJSON *json, size_t of_peer, struct scree_error *err)
 {
@@ -338,12 +354,16 @@ static enum scree_status open_subscription(struct streams *s, const void *peer, 
         return scree_fail(err, SCREE_INVALID, "from", "from: a whole number from 0 on is expected");
     if (of_peer >= PER_PEER_MAX || s->count >= TOTAL_MAX)
         return scree_fail(err, SCREE_BUSY, "", "too many open streams");
-    enum scree_status status = memory_grow((void **)&s->all, &s->room, s->count + 1, sizeof *s->all, err);
+    enum scree_status status = limits_check(&s->user, count_of_user(s), s->per_user, "open streams", err);
+    if (status)
+        return status;
+    status = memory_grow((void **)&s->all, &s->room, s->count + 1, sizeof *s->all, err);
     struct subscription *sub = status ? NULL : calloc(1, sizeof *sub);
     if (!sub)
         return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for a stream");
     memcpy(sub->peer, peer, peer_size);
     sub->peer_size = peer_size;
+    snprintf(sub->user, sizeof sub->user, "%s", s->user.name);
     snprintf(sub->key, sizeof sub->key, "%s", key);
     snprintf(sub->stream, sizeof sub->stream, "%s", stream);
     sub->job = job->number;
@@ -354,8 +374,10 @@ static enum scree_status open_subscription(struct streams *s, const void *peer, 
     return SCREE_OK;
 }
 
-static void handle(struct streams *s, const void *peer, size_t peer_size, const char *text, size_t size)
+static void handle(struct streams *s, const void *peer, size_t peer_size, zmq_msg_t *frame)
 {
+    const char *text = zmq_msg_data(frame);
+    size_t size = zmq_msg_size(frame);
     struct scree_error error = {0};
     cJSON *json = NULL;
     size_t index = 0, of_peer;
@@ -372,7 +394,12 @@ static void handle(struct streams *s, const void *peer, size_t peer_size, const 
         goto out;
     }
     struct subscription *sub = find(s, peer, peer_size, key, &index, &of_peer);
-    if (strcmp(op, "open") == 0) {
+    s->user = auth_user(s->auth, frame);
+    if (auth_permit(&s->user, "open", &error)) {
+        status = SCREE_DENIED; // its subscription ends too: trust that was withdrawn is
+        if (sub)
+            drop(s, index);
+    } else if (strcmp(op, "open") == 0) {
         if (sub)
             status = scree_fail(&error, SCREE_INVALID, "key", "key \"%s\" is in use", key);
         else
@@ -425,7 +452,7 @@ void streams_receive(struct streams *s)
         bool fits = peer_size <= PEER_MAX && count == 3 && zmq_msg_size(&frames[1]) == strlen(PROTOCOL_VERSION) &&
                     memcmp(zmq_msg_data(&frames[1]), PROTOCOL_VERSION, strlen(PROTOCOL_VERSION)) == 0;
         if (fits) {
-            handle(s, peer, peer_size, zmq_msg_data(&frames[2]), zmq_msg_size(&frames[2]));
+            handle(s, peer, peer_size, &frames[2]);
         } else if (peer_size <= PEER_MAX) {
             struct scree_error error;
             scree_fail(&error, SCREE_INVALID, "", "two frames are expected: \"%s\" and a header", PROTOCOL_VERSION);

@@ -5,12 +5,14 @@
 #ifndef SCREE_SERVER_STREAMS_H
 #define SCREE_SERVER_STREAMS_H
 
+#include "auth.h"
 #include "scheduler.h"
 
 struct streams;
 
-/* `socket` is a bound ROUTER, owned by the caller. */
-enum scree_status streams_open(struct streams **out, void *socket, struct scheduler *scheduler, struct scree_error *err);
+/* `socket` is a bound ROUTER, owned by the caller. A user from the network has at most `per_user` subscriptions. */
+enum scree_status streams_open(struct streams **out, void *socket, struct scheduler *scheduler, struct auth *auth, int per_user,
+                               struct scree_error *err);
 void streams_close(struct streams *streams);
 
 /* Reads everything that has come in. */

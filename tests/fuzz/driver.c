@@ -97,19 +97,20 @@ int main(int count, char **arguments)
 {
     static uint8_t data[INPUT_MAX];
     struct rng rng = rng_start(1, 1);
-    if (count != 2) {
-        fprintf(stderr, "usage: %s CORPUS_FOLDER\n", arguments[0]);
+    int rounds = count == 3 ? atoi(arguments[2]) : ROUNDS;
+    if (count < 2 || count > 3) {
+        fprintf(stderr, "usage: %s CORPUS_FOLDER [MUTATIONS]\n", arguments[0]);
         return 2;
     }
     read_corpus(arguments[1]);
     for (size_t k = 0; k < corpus_count; k++)
         run(corpus[k].data, corpus[k].size);
-    for (int k = 0; k < ROUNDS; k++) {
+    for (int k = 0; k < rounds; k++) {
         const struct input *in = &corpus[rng_next(&rng) % corpus_count];
         memcpy(data, in->data, in->size);
         run(data, mutate(&rng, data, in->size));
     }
-    printf("%zu inputs and %d mutations\n", corpus_count, (int)ROUNDS);
+    printf("%zu inputs and %d mutations\n", corpus_count, rounds);
     for (size_t k = 0; k < corpus_count; k++)
         free(corpus[k].data);
     return 0;

@@ -146,9 +146,10 @@ class Usage(Client):
         self.assertEqual(ended.returncode, 1)
         self.assertIn("cannot write", ended.stderr)
 
-    def test_tcp_is_refused(self):
-        # Nothing is sent over a network that could be read there.
-        self.refused(self.scree("--connect", "tcp://127.0.0.1:5555", "ping"), "tcp://127.0.0.1:5555", "encrypted")
+    def test_endpoint_that_is_none_is_refused(self):
+        # Before anything is tried: a network endpoint has a host and a port.
+        for endpoint in ("tcp://127.0.0.1", "tcp://:5555", "tcp://127.0.0.1:", "tcp://127.0.0.1:70000", "udp://127.0.0.1:5555"):
+            self.refused(self.scree("--connect", endpoint, "ping"), endpoint, "form")
 
 
 class BadSpecs(Client):

@@ -184,7 +184,7 @@ class Session:
 
     def judge_record(self, job, record):
         expected = ("cancelled", "done") if job.cancelled else ("done",)
-        assert record["state"] in expected, (expected, record)
+        assert record["state"] in expected, (expected, record["error"], record)
         assert record["error"] is None, record
         there = {command["number"]: command for command in record["steering"]}
         assert len(there) == len(record["steering"]), record["steering"]

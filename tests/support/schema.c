@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "protocol/job_json.h"
+#include "protocol/study_json.h"
 
 static void put_copy(cJSON *to, const char *key, const cJSON *from, const char *as)
 {
@@ -153,6 +153,101 @@ char *schema_text(void)
     json_put(schema, "properties", properties);
     add_table(schema, &job_table, false);
     json_put(schema, "allOf", branches);
+    char *text = json_print(schema, true);
+    cJSON_Delete(schema);
+    return text;
+}
+
+/* ---- studies ---- */
+
+static cJSON *described(cJSON *schema, const char *text)
+{
+    json_put_text(schema, "description", text);
+    return schema;
+}
+
+static cJSON *list_of(cJSON *items, int least, int most)
+{
+    cJSON *schema = type_schema("array");
+    json_put(schema, "items", items);
+    json_put_int(schema, "minItems", least);
+    json_put_int(schema, "maxItems", most);
+    return schema;
+}
+
+static cJSON *any_of(cJSON *a, cJSON *b)
+{
+    cJSON *schema = cJSON_CreateObject(), *list = cJSON_CreateArray();
+    cJSON_AddItemToArray(list, a);
+    cJSON_AddItemToArray(list, b);
+    json_put(schema, "anyOf", list);
+    return schema;
+}
+
+static cJSON *range_schema(void)
+{
+    static const char *const numbers[] = {"from", "to", "step", "count"}, *const required[] = {"from", "to"};
+    cJSON *schema = object_schema(false), *properties = cJSON_GetObjectItemCaseSensitive(schema, "properties");
+    for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
+        json_put(properties, numbers[k], type_schema("number"));
+    json_put(properties, "log", type_schema("boolean"));
+    json_put(schema, "required", cJSON_CreateStringArray(required, 2));
+    return described(schema, "values from `from` to `to`, by step or count; with log the step is a factor");
+}
+
+/* Dotted paths to values; which paths there are depends on the job's scenario. */
+static cJSON *paths_schema(cJSON *values, const char *text)
+{
+    cJSON *schema = type_schema("object");
+    json_put(schema, "additionalProperties", values);
+    return described(schema, text);
+}
+
+static cJSON *study_branch(enum study_kind kind)
+{
+    cJSON *about = study_describe(kind), *schema = object_schema(false), *is = cJSON_CreateObject(), *job = cJSON_CreateObject();
+    cJSON *properties = cJSON_GetObjectItemCaseSensitive(schema, "properties"), *required = cJSON_CreateArray(),
+          *any = cJSON_CreateBool(true);
+    json_put_text(is, "const", json_text(about, "name"));
+    json_put(properties, "study", is);
+    add_fields(schema, json_get(about, "fields"), false);
+    json_put_text(job, "$ref", "job.json");
+    json_put(properties, "job", described(job, "the job that trials start from"));
+    json_put(
+        properties, "replica_seeds",
+        described(list_of(type_schema("string"), 0, STUDY_SEEDS_MAX), "dotted paths of the numbers that replicas raise by one"));
+    if (kind == STUDY_SWEEP) {
+        json_put(properties, "grid",
+                 paths_schema(any_of(list_of(any, 1, SWEEP_TRIALS_MAX), range_schema()), "dotted paths and the values each takes"));
+        json_put(properties, "cases",
+                 list_of(paths_schema(cJSON_CreateBool(true), "dotted paths and values"), 1, SWEEP_TRIALS_MAX));
+    } else {
+        cJSON_Delete(any);
+    }
+    cJSON *raise = cJSON_DetachItemFromObjectCaseSensitive(properties, "raise_low_when");
+    if (raise) { // one word stands for what it means
+        cJSON *word = cJSON_Duplicate(json_get(raise, "items"), true);
+        json_put(properties, "raise_low_when", any_of(raise, word));
+    }
+    cJSON_AddItemToArray(required, cJSON_CreateString("study"));
+    cJSON_AddItemToArray(required, cJSON_CreateString("job"));
+    for (const cJSON *name = json_get(about, "required")->child; name; name = name->next)
+        cJSON_AddItemToArray(required, cJSON_Duplicate(name, true));
+    json_put(schema, "required", required);
+    json_put_text(schema, "description", json_text(about, "doc"));
+    cJSON_Delete(about);
+    return schema;
+}
+
+char *study_schema_text(void)
+{
+    cJSON *schema = cJSON_CreateObject(), *branches = cJSON_CreateArray();
+    json_put_text(schema, "$schema", "https://json-schema.org/draft/2020-12/schema");
+    json_put_text(schema, "title", "scree study");
+    json_put_text(schema, "description", "made from the tables of src/spec by the build target write_schema");
+    for (int kind = 0; kind < STUDY_KINDS; kind++)
+        cJSON_AddItemToArray(branches, study_branch((enum study_kind)kind));
+    json_put(schema, "oneOf", branches);
     char *text = json_print(schema, true);
     cJSON_Delete(schema);
     return text;

@@ -1,13 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Prints protocol/schema/job.json as it must be: write_schema > protocol/schema/job.json */
+/* Prints a schema of protocol/schema as it must be:
+ *   write_schema > protocol/schema/job.json
+ *   write_schema study > protocol/schema/study.json */
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "schema.h"
 
-int main(void)
+int main(int argc, char **argv)
 {
-    char *text = schema_text();
+    char *text = argc > 1 && strcmp(argv[1], "study") == 0 ? study_schema_text() : schema_text();
     int failed = !text || puts(text) < 0;
     free(text);
     return failed;

@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* `scree plot`: a job or a study as a picture. */
+#include <stdio.h>
+
+#include "follow.h"
+#include "output.h"
+#include "plot.h"
+#include "protocol/frame.h"
+#include "verbs.h"
+
+static enum outcome plot_run(const struct arguments *arguments)
+{
+    struct scree_error err = {.status = SCREE_OK};
+    struct link *link = NULL;
+    cJSON *record = NULL;
+    const char *id = arguments->words[0], *out = arguments_value(arguments, "-o"), *x = arguments_value(arguments, "--x"),
+               *y = arguments_value(arguments, "--y");
+    char file[PROTOCOL_ID_MAX + 8];
+    if (!protocol_id_valid(id))
+        return give_up(outcome_fail(&err, OUTCOME_REFUSED, "\"%.40s\" is no id of a job or a study", id), &err);
+    if ((x || y) && !is_study_id(id))
+        return give_up(outcome_fail(&err, OUTCOME_REFUSED, "--x and --y are for sweeps, and %s is a job", id), &err);
+    snprintf(file, sizeof file, "%s.png", id);
+    out = out ? out : file;
+    enum outcome outcome = link_open_for(arguments, &link, &err);
+    if (!outcome && !(outcome = ask_record(link, id, true, &record, &err)))
+        outcome = is_study_id(id) ? plot_study(link, record, x, y, out, &err) : plot_job(link, record, out, &err);
+    if (!outcome && arguments->json) {
+        cJSON *line = cJSON_CreateObject();
+        json_put_text(line, "job", id);
+        json_put_text(line, "file", out);
+        put_json_line(line);
+        cJSON_Delete(line);
+    } else if (!outcome) {
+        puts(out);
+    }
+    cJSON_Delete(record);
+    link_close(link);
+    return give_up(outcome, &err);
+}
+
+static const char *const options[] = {"-o=", "--x=", "--y=", NULL};
+
+const struct verb verb_plot = {
+    .name = "plot",
+    .synopsis = "ID [-o FILE.png|FILE.svg] [--x COLUMN] [--y COLUMN]",
+    .doc = "a picture of a job's force, or of what a study has come to",
+    .help = "Draws ID.png here, or FILE, with gnuplot (Debian: gnuplot-nox), and prints its name. Of a job: the force on\n"
+            "the base against time, averaged and with its extremes, and its spectrum where it is recorded. Of a search:\n"
+            "the bracket and the trials, round by round. Of a sweep: one column of its table (`scree fetch`) against\n"
+            "another, by default the first that differ; trials that differ in more get a line each.\n"
+            "\n"
+            "  scree plot j17\n"
+            "  scree plot s3 -o sweep.svg --x params.slope_deg --y mean_velocity\n",
+    .options = options,
+    .words_min = 1,
+    .words_max = 1,
+    .run = plot_run,
+};

@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What `scree plot` draws of a job, and of a study. */
+#ifndef SCREE_CLIENT_PLOT_H
+#define SCREE_CLIENT_PLOT_H
+
+#include "link.h"
+#include "picture.h"
+
+/* The force on the base against time, and its spectrum if that is recorded. `record` is of `show`. */
+enum outcome plot_job(struct link *link, const cJSON *record, const char *file, struct scree_error *err);
+
+/* A search: bracket and trials against the round; a sweep: a number of the summary against a parameter.
+ * `x` and `y` name columns of the table, NULL for the first that tell something. */
+enum outcome plot_study(struct link *link, const cJSON *record, const char *x, const char *y, const char *file,
+                        struct scree_error *err);
+
+#endif

@@ -1,0 +1,247 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A job's force and spectrum; see plot.h.
+ *
+ * A force stream has millions of samples and a picture a thousand columns: samples
+ * are gathered into bins of equal time, each with mean, least and largest value of
+ * every component, while the stream is read. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "calibrate/digits.h"
+#include "output.h"
+#include "plot.h"
+#include "reader.h"
+
+#define FORCE    "basal_force"
+#define SPECTRUM "spectrum"
+
+enum { BINS = 900, COMPONENTS = 3, WIDTH = 1000, HEIGHT = 340, READ_SECONDS = 60 };
+
+struct bin {
+    double count, sum[COMPONENTS], least[COMPONENTS], most[COMPONENTS];
+};
+
+struct trace {
+    double begin, end; // s
+    struct bin bins[BINS];
+    double spent; // of READ_SECONDS
+};
+
+static void add_chunk(struct trace *t, const struct reader_chunk *chunk)
+{
+    for (size_t r = 0; r < chunk->rows && chunk->columns >= COMPONENTS; r++) {
+        double at = (chunk->t0_s + (double)r * chunk->dt_s - t->begin) / (t->end - t->begin) * BINS;
+        struct bin *b = &t->bins[at < 0 ? 0 : at >= BINS ? BINS - 1 : (int)at];
+        for (int c = 0; c < COMPONENTS; c++) {
+            double value = chunk->values[r * chunk->columns + (size_t)c];
+            b->sum[c] += value;
+            b->least[c] = b->count == 0 ? value : fmin(b->least[c], value);
+            b->most[c] = b->count == 0 ? value : fmax(b->most[c], value);
+        }
+        b->count++;
+    }
+}
+
+/* Hands every chunk from `from` up to the stream's `count` to `take`. */
+static enum outcome read_chunks(struct link *link, const char *job, const char *stream, uint64_t from, uint64_t count,
+                                void (*take)(void *, const struct reader_chunk *), void *context, struct scree_error *err)
+{
+    struct reader *reader = NULL;
+    struct reader_chunk chunk;
+    enum outcome outcome = from < count ? reader_open(link, job, stream, from, &reader, err) : OUTCOME_DONE;
+    double quiet = now_s();
+    while (!outcome && reader && reader_position(reader) < count) {
+        switch (reader_next(reader, 200, &chunk, err)) {
+        case READER_CHUNK:
+            take(context, &chunk);
+            quiet = now_s();
+            break;
+        case READER_QUIET:
+            if (now_s() - quiet > READ_SECONDS)
+                outcome = outcome_fail(err, OUTCOME_UNREACHABLE, "the stream %s of %s has been silent for %d s", stream, job,
+                                       READ_SECONDS);
+            break;
+        case READER_END:
+            count = 0;
+            break;
+        case READER_ERROR:
+            outcome = OUTCOME_FAILED;
+            break;
+        case READER_DAMAGED:
+            outcome = outcome_fail(err, OUTCOME_FAILED, "the stream %s of %s did not arrive whole", stream, job);
+            break;
+        }
+    }
+    reader_close(reader);
+    return outcome;
+}
+
+static void take_force(void *context, const struct reader_chunk *chunk)
+{
+    add_chunk(context, chunk);
+}
+
+static uint64_t chunks_of(const cJSON *record, const char *stream)
+{
+    double chunks = json_number(json_get(json_get(record, "streams"), stream), "chunks", 0);
+    return chunks > 0 ? (uint64_t)chunks : 0;
+}
+
+static double number_of(const cJSON *record, const char *name)
+{
+    const cJSON *row;
+    cJSON_ArrayForEach(row, json_get(record, "numbers"))
+    {
+        const char *here = json_text(row, "name");
+        if (here && strcmp(here, name) == 0)
+            return json_number(row, "value", NAN);
+    }
+    return NAN;
+}
+
+/* ---- the force ---- */
+
+static void write_trace(struct picture *p, const struct trace *t)
+{
+    fprintf(p->script, "$force << EOD\n");
+    for (int k = 0; k < BINS; k++) {
+        const struct bin *b = &t->bins[k];
+        if (b->count == 0)
+            continue;
+        fprintf(p->script, "%.9g", t->begin + (k + 0.5) / BINS * (t->end - t->begin));
+        for (int c = 0; c < COMPONENTS; c++)
+            fprintf(p->script, " %.9g %.9g %.9g", b->sum[c] / b->count, b->least[c], b->most[c]);
+        putc('\n', p->script);
+    }
+    fprintf(p->script, "EOD\n");
+}
+
+static const char *const names[COMPONENTS] = {"Fx, downslope", "Fy, cross-slope", "Fz, normal"};
+static const char *const colours[COMPONENTS] = {"#0072b2", "#009e73", "#d55e00"};
+
+/* Means over the bins: what carries the weight of the flow. */
+static void draw_means(struct picture *p, const cJSON *record, const struct trace *t)
+{
+    char bin[TEXT_MAX];
+    double weight = number_of(record, "weight_normal");
+    fprintf(p->script, "set xlabel 'time (s), means over %s s'\nset ylabel 'force on the base (N)'\n",
+            text_number(digits_round((t->end - t->begin) / BINS, 2), bin));
+    fprintf(p->script,
+            "set lmargin at screen 0.09\nset rmargin at screen 0.8\nset xrange [%.9g:%.9g]\nset key outside right top reverse Left "
+            "samplen 2\nplot ",
+            t->begin, t->end);
+    for (int c = COMPONENTS; c-- > 0;)
+        fprintf(p->script, "$force using 1:%d with lines lw 1.2 lc rgb '%s' title '%s', ", 2 + 3 * c, colours[c], names[c]);
+    if (isfinite(weight))
+        fprintf(p->script, "%.9g with lines dt 2 lw 1.5 lc rgb '#000000' title 'weight, normal', ", -weight);
+    fprintf(p->script, "NaN notitle\n");
+}
+
+/* The largest and the least sample of each bin: the blows. */
+static void draw_extremes(struct picture *p)
+{
+    fprintf(p->script, "set xlabel 'time (s)'\nset ylabel 'largest and least (N)'\nplot ");
+    for (int c = COMPONENTS; c-- > 0;)
+        fprintf(p->script, "$force using 1:%d:%d with filledcurves fc rgb '%s' fs transparent solid 0.45 noborder title '%s', ",
+                3 + 3 * c, 4 + 3 * c, colours[c], names[c]);
+    fprintf(p->script, "NaN notitle\nset xrange [*:*]\n");
+}
+
+/* ---- the spectrum ---- */
+
+struct spectrum {
+    FILE *script;
+    int frequency; // column
+    size_t columns;
+    char names[8][64];
+    size_t rows;
+};
+
+/* The last frame of the stream: the frequency is the column in Hz, densities are the others. */
+static void take_spectrum(void *context, const struct reader_chunk *chunk)
+{
+    struct spectrum *s = context;
+    s->frequency = -1;
+    s->columns = chunk->columns < 8 ? chunk->columns : 8;
+    for (size_t c = 0; c < s->columns; c++) {
+        const char *unit = cJSON_GetStringValue(cJSON_GetArrayItem(chunk->units, (int)c));
+        const char *name = cJSON_GetStringValue(cJSON_GetArrayItem(chunk->column_names, (int)c));
+        if (unit && strcmp(unit, "Hz") == 0 && s->frequency < 0)
+            s->frequency = (int)c;
+        snprintf(s->names[c], sizeof s->names[c], "%.30s (%.30s)", name ? name : "?", unit ? unit : "");
+    }
+    if (s->frequency < 0)
+        return;
+    fprintf(s->script, "$spectrum << EOD\n");
+    for (size_t r = 0; r < chunk->rows; r++) {
+        const double *row = chunk->values + r * chunk->columns;
+        if (!(row[s->frequency] > 0))
+            continue; // the axis is logarithmic
+        for (size_t c = 0; c < s->columns; c++)
+            fprintf(s->script, row[c] > 0 ? " %.9g" : " ?", row[c]);
+        putc('\n', s->script);
+        s->rows++;
+    }
+    fprintf(s->script, "EOD\n");
+}
+
+static void draw_spectrum(struct picture *p, const struct spectrum *s)
+{
+    fprintf(p->script,
+            "set logscale xy\nset format xy '%%.0e'\nset xlabel 'frequency (Hz)'\nset ylabel 'power spectral density'\nplot ");
+    for (size_t c = 0; c < s->columns; c++) {
+        if ((int)c == s->frequency)
+            continue;
+        fprintf(p->script, "$spectrum using %d:%zu with lines lw 1.2 title ", s->frequency + 1, c + 1);
+        picture_quote(p, s->names[c]);
+        fprintf(p->script, ", ");
+    }
+    fprintf(p->script, "NaN notitle\n");
+}
+
+static enum outcome write_script(struct link *link, const cJSON *record, struct picture *p, struct trace *t,
+                                 struct scree_error *err)
+{
+    const char *id = json_text(record, "id"), *title = json_text(record, "title"), *state = json_text(record, "state");
+    uint64_t last = chunks_of(record, SPECTRUM);
+    struct spectrum spectrum = {.script = p->script, .frequency = -1};
+    char heading[200];
+    enum outcome outcome = read_chunks(link, id, FORCE, 0, chunks_of(record, FORCE), take_force, t, err);
+    if (!outcome && last > 0)
+        outcome = read_chunks(link, id, SPECTRUM, last - 1, last, take_spectrum, &spectrum, err);
+    if (outcome)
+        return outcome;
+    snprintf(heading, sizeof heading, "%.20s  %.60s  %.20s  %.20s", id, json_text(record, "scenario"), state,
+             json_text(record, "verdict"));
+    write_trace(p, t);
+    fprintf(p->script, "set multiplot layout %d,1 ", spectrum.rows > 0 ? 3 : 2);
+    picture_title(p, "title", heading, title);
+    draw_means(p, record, t);
+    draw_extremes(p);
+    if (spectrum.rows > 0)
+        draw_spectrum(p, &spectrum);
+    fprintf(p->script, "unset multiplot\n");
+    return OUTCOME_DONE;
+}
+
+enum outcome plot_job(struct link *link, const cJSON *record, const char *file, struct scree_error *err)
+{
+    const char *id = json_text(record, "id");
+    struct picture picture;
+    if (chunks_of(record, FORCE) == 0) {
+        outcome_fail(err, OUTCOME_REFUSED, "%.20s has no force on a base to draw", id ? id : "the job");
+        scree_hint(err, "record.basal_force must be on, and its first chunk be there");
+        return OUTCOME_REFUSED;
+    }
+    struct trace *trace = calloc(1, sizeof *trace);
+    if (!trace)
+        return outcome_fail(err, OUTCOME_FAILED, "no memory for a picture");
+    trace->end = json_number(record, "time_s", 0);
+    enum outcome outcome = picture_start(&picture, file, WIDTH, (chunks_of(record, SPECTRUM) ? 3 : 2) * HEIGHT, err);
+    if (!outcome && !(outcome = write_script(link, record, &picture, trace, err)))
+        outcome = picture_draw(&picture, err);
+    picture_free(&picture);
+    free(trace);
+    return outcome;
+}

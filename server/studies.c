@@ -1,0 +1,628 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* States of a study:
+ *
+ *      submit                first trial submitted          nothing left to try
+ *   ------------> queued ----------------------> running ------------------------> done | failed
+ *                   |                               |
+ *                   `------------- cancel ----------'--> cancelled, and its trials with it
+ *
+ * What a study knows, it knows from its trials: the journal keeps its spec, its
+ * state and which job is which trial, and the search itself is made anew from how
+ * those jobs ended (calibrate/bisect.h). So a restart is no case of its own: the
+ * turn after it finds the same trials in the same states and goes on.
+ *
+ * No trial is lost or run twice by a kill between two commits: the request under
+ * which a trial is submitted names study, replica, point and extension
+ * ("/s3/0.5.1"), and a scheduler that has such a job answers with it. No client can
+ * submit under such a name: none of theirs starts with '/'.
+ *
+ *   trial's job ends        what happens
+ *   bisection, verdict      the point has its answer; perhaps a new round, perhaps others are spared (cancelled)
+ *   bisection, undecided    submitted again, twice as long, until extend_to_s; then the point has no answer
+ *   root                    the point has its number
+ *   failed, cancelled       the point has no answer; a sweep goes on and fails in the end
+ *
+ * Invariants: at most at_once trials are on their way; an ended study never
+ * changes; one that is `done` has every trial (sweep) or every bracket closed. */
+#include "studies.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "base/memory.h"
+#include "journal_studies.h"
+#include "log.h"
+#include "protocol/frame.h"
+#include "requests.h"
+
+enum { STUDIES_ACTIVE_MAX = 1000 };
+
+struct studies {
+    const struct config *config;
+    struct scheduler *scheduler;
+    struct studies_watch watch;
+    struct study_log *log;
+    struct study **all; // by number, ascending
+    size_t count, room, active;
+};
+
+static double unix_now(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_REALTIME, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* ---- one study in memory ---- */
+
+static void free_study(struct study *study)
+{
+    if (!study)
+        return;
+    study_plan_free(&study->plan);
+    free(study->spec_text);
+    free(study->trials);
+    free(study->bisects);
+    free(study->roots);
+    free(study);
+}
+
+/* Points of a round: what may run at once is shared by the replicas. */
+static int sections_of(const struct study_spec *spec)
+{
+    int64_t share = spec->at_once / spec->replicas;
+    return (int)(share < 1 ? 1 : share > BISECT_SECTIONS_MAX ? BISECT_SECTIONS_MAX : share);
+}
+
+static enum scree_status start_searches(struct study *study, struct scree_error *err)
+{
+    const struct study_spec *s = &study->plan.spec;
+    size_t replicas = (size_t)s->replicas;
+    if (s->kind == STUDY_SWEEP)
+        return SCREE_OK;
+    if (s->kind == STUDY_BISECT)
+        study->bisects = calloc(replicas, sizeof *study->bisects);
+    else
+        study->roots = calloc(replicas, sizeof *study->roots);
+    if (!study->bisects && !study->roots)
+        return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for a study");
+    for (size_t r = 0; r < replicas; r++)
+        if (study->bisects)
+            bisect_start(&study->bisects[r], s->low, s->high, (int)s->digits, sections_of(s));
+        else
+            root_start(&study->roots[r], s->low, s->high, s->target, (int)s->digits);
+    return SCREE_OK;
+}
+
+static enum scree_status keep_study(struct studies *s, struct study *study, struct scree_error *err)
+{
+    enum scree_status status = memory_grow((void **)&s->all, &s->room, s->count + 1, sizeof *s->all, err);
+    if (status)
+        return status;
+    s->all[s->count++] = study;
+    s->active += !job_state_ended(study->state);
+    return SCREE_OK;
+}
+
+static void name_study(struct study *study, int64_t number)
+{
+    study->number = number;
+    snprintf(study->id, sizeof study->id, "s%lld", (long long)number);
+}
+
+static struct study *by_number(const struct studies *s, int64_t number)
+{
+    size_t low = 0, high = s->count;
+    while (low < high) {
+        size_t middle = (low + high) / 2;
+        if (s->all[middle]->number < number)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low < s->count && s->all[low]->number == number ? s->all[low] : NULL;
+}
+
+/* ---- journal ---- */
+
+static void enter(struct studies *s, struct study *study, enum job_state state)
+{
+    struct scree_error error = {0};
+    char *text = NULL;
+    if (state == JOB_FAILED) {
+        cJSON *json = error_json(scree_status_word(study->error.status), &study->error);
+        text = json ? json_print(json, false) : NULL;
+        cJSON_Delete(json);
+    }
+    s->active -= !job_state_ended(study->state) && job_state_ended(state);
+    study->state = state;
+    if (state == JOB_RUNNING && study->started == 0)
+        study->started = unix_now();
+    if (job_state_ended(state))
+        study->ended = unix_now();
+    const struct study_row row = {.number = study->number,
+                                  .state = job_state_word(state),
+                                  .build = study->build,
+                                  .error = text ? text : "",
+                                  .started = study->started,
+                                  .ended = study->ended};
+    if (study_log_update(s->log, &row, &error))
+        log_line(LOG_ERROR, "study=%s state=%s %s", study->id, job_state_word(state), error.message);
+    log_line(LOG_INFO, "study=%s kind=%s state=%s%s%s", study->id, study_kinds[study->plan.spec.kind].name, job_state_word(state),
+             state == JOB_FAILED ? " error=" : "", state == JOB_FAILED ? study->error.message : "");
+    free(text);
+    s->watch.changed(s->watch.context, study);
+}
+
+static enum scree_status load_study(void *context, const struct study_row *row, struct scree_error *err)
+{
+    struct studies *s = context;
+    struct study *study = calloc(1, sizeof *study);
+    cJSON *json = NULL;
+    enum scree_status status = SCREE_NO_MEMORY;
+    if (!study || !(study->spec_text = strdup(row->spec)))
+        goto out;
+    name_study(study, row->number);
+    snprintf(study->request, sizeof study->request, "%s", row->request);
+    snprintf(study->build, sizeof study->build, "%s", row->build);
+    study->again = row->again;
+    study->submitted = row->submitted;
+    study->started = row->started;
+    study->ended = row->ended;
+    study->state = job_state_of(row->state);
+    if (*row->error && json_read(row->error, strlen(row->error), "error", &json, NULL) == SCREE_OK)
+        error_read(json, &study->error);
+    cJSON_Delete(json);
+    json = NULL;
+    struct scree_error error = {0};
+    if (json_read(row->spec, strlen(row->spec), "spec", &json, &error) || study_decode(json, &study->plan, &error) ||
+        study->state == JOB_STATES) {
+        /* Written by another version: the record stays, the study cannot go on. */
+        study_plan_free(&study->plan);
+        study->plan = (struct study_plan){.base.scenario = scenario_list[0]};
+        if (!job_state_ended(study->state) || study->state == JOB_STATES) {
+            study->state = JOB_FAILED;
+            study->error = error;
+            study->error.status = SCREE_CORRUPT;
+        }
+    } else {
+        study->readable = true;
+        if ((status = start_searches(study, err)))
+            goto out;
+    }
+    status = keep_study(s, study, err);
+out:
+    cJSON_Delete(json);
+    if (status) {
+        free_study(study);
+        return status == SCREE_NO_MEMORY ? scree_fail(err, status, NULL, "no memory to load the studies") : status;
+    }
+    return SCREE_OK;
+}
+
+static enum scree_status keep_trial(struct study *study, const struct study_trial *trial, struct scree_error *err)
+{
+    enum scree_status status =
+        memory_grow((void **)&study->trials, &study->trial_room, study->trial_count + 1, sizeof *study->trials, err);
+    if (!status)
+        study->trials[study->trial_count++] = *trial;
+    return status;
+}
+
+static enum scree_status load_trial(void *context, const struct trial_row *row, struct scree_error *err)
+{
+    struct studies *s = context;
+    struct study *study = by_number(s, row->study);
+    char id[JOB_ID_MAX];
+    if (!study || !study->readable || row->replica < 0 || row->replica >= study->plan.spec.replicas || row->point < 0)
+        return SCREE_OK;
+    snprintf(id, sizeof id, "j%lld", (long long)row->job);
+    const struct study_trial trial = {
+        .replica = row->replica, .point = row->point, .extension = row->extension, .job = scheduler_find(s->scheduler, id)};
+    return keep_trial(study, &trial, err);
+}
+
+/* ---- what trials say ---- */
+
+static int point_count(const struct study *study, int replica)
+{
+    return study->bisects ? study->bisects[replica].point_count : study->roots[replica].point_count;
+}
+
+static bool point_needed(const struct study *study, int replica, int point)
+{
+    if (study->bisects)
+        return study->bisects[replica].points[point].needed;
+    return true;
+}
+
+static bool point_pending(const struct study *study, int replica, int point)
+{
+    if (study->bisects)
+        return study->bisects[replica].points[point].answer == BISECT_PENDING;
+    return !study->roots[replica].points[point].answered;
+}
+
+static double point_at(const struct study *study, int replica, int point)
+{
+    return study->bisects ? study->bisects[replica].points[point].at : study->roots[replica].points[point].at;
+}
+
+/* How long the trial would be that follows an undecided one; 0 when it is at the limit. */
+static double longer(const struct study *study, const struct study_trial *trial)
+{
+    double limit = study_plan_extension(&study->plan), end = trial->job ? trial->job->spec.time.end_s : limit;
+    return end < limit * (1 - 1e-12) ? fmin(2 * end, limit) : 0;
+}
+
+static void take_bisection(struct study *study, const struct study_trial *trial)
+{
+    struct bisect *b = &study->bisects[trial->replica];
+    enum bisect_answer answer = BISECT_NEITHER;
+    enum scree_verdict verdict = trial->job ? trial->job->report.verdict : VERDICT_UNDECIDED;
+    static const unsigned bits[] = {[VERDICT_UNDECIDED] = 0,
+                                    [VERDICT_REST] = STOP_REST,
+                                    [VERDICT_STEADY] = STOP_STEADY,
+                                    [VERDICT_ACCELERATING] = STOP_ACCELERATING};
+    static const enum bisect_answer undecided[] = {
+        [UNDECIDED_REPORT] = BISECT_NEITHER, [UNDECIDED_RAISE] = BISECT_RAISE, [UNDECIDED_LOWER] = BISECT_LOWER};
+    if (trial->job && trial->job->state == JOB_DONE) {
+        if (bits[verdict])
+            answer = study->plan.spec.raise_low_when & bits[verdict] ? BISECT_RAISE : BISECT_LOWER;
+        else if (b->points[trial->point].needed && longer(study, trial) > 0)
+            return; // asked again, for longer
+        else
+            answer = undecided[study->plan.spec.undecided];
+    }
+    bisect_put(b, trial->point, answer);
+}
+
+static void take_root(struct study *study, const struct study_trial *trial)
+{
+    const struct job *job = trial->job;
+    double number = NAN;
+    for (size_t k = 0; job && job->state == JOB_DONE && k < job->report.number_count; k++)
+        if (strcmp(job->report.numbers[k].name, study->plan.spec.number) == 0)
+            number = job->report.numbers[k].value;
+    root_put(&study->roots[trial->replica], trial->point, number, !isfinite(number));
+}
+
+/* Takes the ends that have come, in the order in which trials were submitted: a point thus always stands before its answer. */
+static bool take_ends(struct study *study)
+{
+    bool any = false;
+    for (size_t k = study->first_open; k < study->trial_count; k++) {
+        struct study_trial *t = &study->trials[k];
+        if (t->taken || (t->job && !job_state_ended(t->job->state)))
+            continue;
+        if (study_is_search(study) && t->point < point_count(study, t->replica)) {
+            if (study->bisects)
+                take_bisection(study, t);
+            else
+                take_root(study, t);
+        }
+        t->taken = any = true;
+    }
+    while (study->first_open < study->trial_count && study->trials[study->first_open].taken)
+        study->first_open++;
+    return any;
+}
+
+static size_t on_their_way(const struct study *study)
+{
+    size_t count = 0;
+    for (size_t k = study->first_open; k < study->trial_count; k++)
+        count += !study->trials[k].taken;
+    return count;
+}
+
+/* Cancels trials that no bracket depends on any more. */
+static bool spare_trials(struct studies *s, struct study *study)
+{
+    bool any = false;
+    for (size_t k = study->first_open; study_is_search(study) && k < study->trial_count; k++) {
+        struct study_trial *t = &study->trials[k];
+        if (t->taken || t->spared || !t->job || point_needed(study, t->replica, t->point))
+            continue;
+        struct scree_error error = {0};
+        if (scheduler_cancel(s->scheduler, t->job, &error))
+            log_line(LOG_WARNING, "study=%s job=%s cannot be cancelled: %s", study->id, t->job->id, error.message);
+        log_line(LOG_INFO, "study=%s job=%s is no longer needed", study->id, t->job->id);
+        t->spared = any = true;
+    }
+    return any;
+}
+
+/* ---- what comes next ---- */
+
+/* Submits one trial. SCREE_BUSY: later. */
+static enum scree_status launch(struct studies *s, struct study *study, int replica, int point, int extension,
+                                const struct job_spec *spec, struct scree_error *err)
+{
+    char request[72];
+    bool reused;
+    struct study_trial trial = {.replica = replica, .point = point, .extension = extension};
+    snprintf(request, sizeof request, "/%s/%d.%d.%d", study->id, replica, point, extension);
+    enum scree_status status = scheduler_submit(s->scheduler, request, spec, study->again, &trial.job, &reused, err);
+    if (status)
+        return status;
+    const struct trial_row row = {
+        .study = study->number, .replica = replica, .point = point, .extension = extension, .job = trial.job->number};
+    if ((status = study_log_add_trial(s->log, &row, err)) || (status = keep_trial(study, &trial, err)))
+        return status;
+    if (study->state == JOB_QUEUED) {
+        snprintf(study->build, sizeof study->build, "%s", scree_build());
+        enter(s, study, JOB_RUNNING);
+    }
+    return SCREE_OK;
+}
+
+const struct study_trial *study_trial_at(const struct study *study, int replica, int point)
+{
+    for (size_t k = study->trial_count; k-- > 0;)
+        if (study->trials[k].replica == replica && study->trials[k].point == point)
+            return &study->trials[k];
+    return NULL;
+}
+
+/* Submits the next trial of a sweep; *more is false when there is none left. */
+static enum scree_status launch_sweep(struct studies *s, struct study *study, bool *more, struct scree_error *err)
+{
+    struct job_spec spec;
+    size_t next = study->trial_count; // trials are submitted in order, one a number
+    *more = next < study->plan.trials;
+    if (!*more)
+        return SCREE_OK;
+    enum scree_status status = study_plan_trial(&study->plan, next, &spec, err);
+    return status ? status : launch(s, study, 0, (int)next, 0, &spec, err);
+}
+
+/* Submits the next trial of a search: of the first replica, the first point that waits for one. */
+static enum scree_status launch_search(struct studies *s, struct study *study, bool *more, struct scree_error *err)
+{
+    for (int r = 0; r < study->plan.spec.replicas; r++)
+        for (int p = 0; p < point_count(study, r); p++) {
+            if (!point_pending(study, r, p) || !point_needed(study, r, p))
+                continue;
+            const struct study_trial *last = study_trial_at(study, r, p);
+            if (last && !last->taken)
+                continue;
+            struct job_spec spec;
+            double end = last ? longer(study, last) : 0;
+            enum scree_status status = study_plan_search(&study->plan, point_at(study, r, p), (size_t)r, end, &spec, err);
+            *more = true;
+            return status ? status : launch(s, study, r, p, last ? last->extension + 1 : 0, &spec, err);
+        }
+    *more = false;
+    return SCREE_OK;
+}
+
+/* ---- endings ---- */
+
+/* Cancels what is on its way of a study that is over. */
+static enum scree_status cancel_trials(struct studies *s, struct study *study, struct scree_error *err)
+{
+    enum scree_status status = SCREE_OK;
+    for (size_t k = study->first_open; k < study->trial_count && !status; k++)
+        if (study->trials[k].job && !job_state_ended(study->trials[k].job->state))
+            status = scheduler_cancel(s->scheduler, study->trials[k].job, err);
+    return status;
+}
+
+static void conclude_sweep(struct studies *s, struct study *study)
+{
+    size_t failed = 0, cancelled = 0;
+    const struct job *first = NULL;
+    for (size_t k = 0; k < study->trial_count; k++) {
+        const struct job *job = study->trials[k].job;
+        failed += !job || job->state == JOB_FAILED;
+        cancelled += job && job->state == JOB_CANCELLED;
+        if (!first && job && job->state != JOB_DONE)
+            first = job;
+    }
+    if (failed + cancelled == 0) {
+        enter(s, study, JOB_DONE);
+        return;
+    }
+    scree_fail(&study->error, first && first->report.status ? first->report.status : SCREE_CANCELLED, "",
+               "of %zu trials %zu failed and %zu were cancelled; the first of them is %s%s%s", study->trial_count, failed,
+               cancelled, first ? first->id : "lost", first && *first->report.error.message ? ": " : "",
+               first ? first->report.error.message : "");
+    enter(s, study, JOB_FAILED);
+}
+
+static void conclude(struct studies *s, struct study *study)
+{
+    if (!study_is_search(study))
+        conclude_sweep(s, study);
+    else
+        enter(s, study, study_explain(study, &study->error) ? JOB_FAILED : JOB_DONE);
+}
+
+static bool turn_study(struct studies *s, struct study *study)
+{
+    bool busy = false, more = true;
+    while (more) {
+        while (take_ends(study))
+            busy = true;
+        busy |= spare_trials(s, study);
+        if (on_their_way(study) >= (size_t)study->plan.spec.at_once)
+            return busy;
+        struct scree_error error = {0};
+        enum scree_status status =
+            study_is_search(study) ? launch_search(s, study, &more, &error) : launch_sweep(s, study, &more, &error);
+        if (status == SCREE_BUSY)
+            return busy; // the queue is full: at another turn
+        if (status) {
+            study->error = error;
+            enter(s, study, JOB_FAILED);
+            cancel_trials(s, study, NULL);
+            return true;
+        }
+        busy |= more;
+    }
+    if (on_their_way(study) == 0)
+        conclude(s, study);
+    return busy;
+}
+
+bool studies_turn(struct studies *s)
+{
+    bool busy = false;
+    for (size_t k = 0; k < s->count && s->active > 0; k++)
+        if (!job_state_ended(s->all[k]->state))
+            busy |= turn_study(s, s->all[k]);
+    return busy;
+}
+
+/* ---- opening and closing ---- */
+
+enum scree_status studies_open(struct studies **out, struct scheduler *scheduler, const struct config *config,
+                               const struct studies_watch *watch, struct scree_error *err)
+{
+    struct studies *s = calloc(1, sizeof *s);
+    if (!s)
+        return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for the studies");
+    s->config = config;
+    s->scheduler = scheduler;
+    s->watch = *watch;
+    enum scree_status status = study_log_open(&s->log, scheduler_journal(scheduler), err);
+    if (!status)
+        status = study_log_load(s->log, load_study, load_trial, s, err);
+    if (status) {
+        studies_close(s);
+        return status;
+    }
+    for (size_t k = 0; k < s->count; k++) {
+        while (s->all[k]->readable && take_ends(s->all[k]))
+            ;                                  // searches that have ended are made anew, too: they are shown
+        if (job_state_ended(s->all[k]->state)) // by a daemon that was killed before it had cancelled the trials
+            cancel_trials(s, s->all[k], NULL);
+    }
+    *out = s;
+    return SCREE_OK;
+}
+
+void studies_close(struct studies *s)
+{
+    if (!s)
+        return;
+    study_log_close(s->log);
+    for (size_t k = 0; k < s->count; k++)
+        free_study(s->all[k]);
+    free(s->all);
+    free(s);
+}
+
+/* ---- requests ---- */
+
+static struct study *same_study(const struct studies *s, const char *request, const char *text)
+{
+    for (size_t k = s->count; k-- > 0;) {
+        struct study *study = s->all[k];
+        if (request && strcmp(study->request, request) == 0)
+            return study;
+        if (text && study->state == JOB_DONE && strcmp(study->build, scree_build()) == 0 && strcmp(study->spec_text, text) == 0)
+            return study;
+    }
+    return NULL;
+}
+
+/* Decodes, settles what depends on this daemon, checks every trial. */
+static enum scree_status make_study(struct studies *s, const cJSON *json, struct study *study, struct scree_error *err)
+{
+    enum scree_status status = study_decode(json, &study->plan, err);
+    study->readable = true;
+    if (status || (status = study_plan_check(&study->plan, requests_memory(), NULL, err)))
+        return status;
+    if (study->plan.spec.at_once == 0)
+        study->plan.spec.at_once = s->config->workers;
+    cJSON *resolved = study_encode(&study->plan);
+    study->spec_text = resolved ? json_print(resolved, false) : NULL;
+    cJSON_Delete(resolved);
+    if (!study->spec_text)
+        return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for the study");
+    return start_searches(study, err);
+}
+
+enum scree_status studies_submit(struct studies *s, const char *request, const cJSON *json, bool again, struct study **out,
+                                 bool *reused, struct scree_error *err)
+{
+    *reused = true;
+    if ((*out = same_study(s, request, NULL)))
+        return SCREE_OK;
+    struct study *study = calloc(1, sizeof *study);
+    if (!study)
+        return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for the study");
+    enum scree_status status = make_study(s, json, study, err);
+    if (status || (!again && (*out = same_study(s, NULL, study->spec_text))))
+        goto out;
+    *reused = false;
+    if (s->active >= STUDIES_ACTIVE_MAX) {
+        status = scree_fail(err, SCREE_BUSY, "", "%d studies are under way; try again later", STUDIES_ACTIVE_MAX);
+        goto out;
+    }
+    study->state = JOB_QUEUED;
+    study->again = again;
+    study->submitted = unix_now();
+    snprintf(study->request, sizeof study->request, "%s", request);
+    struct study_row row = {.request = request,
+                            .state = "queued",
+                            .spec = study->spec_text,
+                            .build = "",
+                            .error = "",
+                            .again = again,
+                            .submitted = study->submitted};
+    if ((status = study_log_insert(s->log, &row, err)))
+        goto out;
+    name_study(study, row.number);
+    if ((status = keep_study(s, study, err)))
+        goto out;
+    *out = study;
+    study = NULL;
+    log_line(LOG_INFO, "study=%s kind=%s state=queued", (*out)->id, study_kinds[(*out)->plan.spec.kind].name);
+    s->watch.changed(s->watch.context, *out);
+out:
+    free_study(study);
+    return status;
+}
+
+enum scree_status studies_cancel(struct studies *s, struct study *study, struct scree_error *err)
+{
+    if (job_state_ended(study->state))
+        return SCREE_OK;
+    enter(s, study, JOB_CANCELLED); // first, or a daemon that ends here would go on with it
+    return cancel_trials(s, study, err);
+}
+
+struct study *studies_find(struct studies *s, const char *id)
+{
+    char *end;
+    if (!id || id[0] != 's' || id[1] < '1' || id[1] > '9' || strlen(id) > 18)
+        return NULL;
+    long long number = strtoll(id + 1, &end, 10);
+    return *end ? NULL : by_number(s, number);
+}
+
+size_t studies_count(const struct studies *s)
+{
+    return s->count;
+}
+
+struct study *studies_at(struct studies *s, size_t index)
+{
+    return s->all[index];
+}
+
+void studies_parent(const struct job *job, char out[JOB_ID_MAX])
+{
+    *out = 0;
+    if (job->request[0] != '/')
+        return;
+    size_t length = strcspn(job->request + 1, "/");
+    if (length < JOB_ID_MAX)
+        snprintf(out, JOB_ID_MAX, "%.*s", (int)length, job->request + 1);
+}

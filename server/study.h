@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A study as the daemon holds it: shared by what drives it (studies.c) and what
+ * shows it (study_view.c). */
+#ifndef SCREE_SERVER_STUDY_H
+#define SCREE_SERVER_STUDY_H
+
+#include "calibrate/bisect.h"
+#include "calibrate/root.h"
+#include "job.h"
+#include "protocol/study_json.h"
+
+/* One job of a study. */
+struct study_trial {
+    int replica, point, extension; // a sweep's trial: 0, its number, 0
+    struct job *job;               // NULL: the journal does not have it any more
+    bool taken;                    // its end has been looked at
+    bool spared;                   // cancelled because nothing depends on it any more
+};
+
+struct study {
+    int64_t number;
+    char id[JOB_ID_MAX];
+    char request[72];
+    enum job_state state; // queued, running, done, failed or cancelled
+    char *spec_text;      // resolved, one line; owned
+    struct study_plan plan;
+    bool again, readable; // readable: this version understands the spec
+    double submitted, started, ended;
+    char build[96];
+    struct scree_error error; // of a failed one
+    struct study_trial *trials;
+    size_t trial_count, trial_room;
+    size_t first_open; // trials before it have been taken
+    /* One search a replica; NULL for other kinds. */
+    struct bisect *bisects;
+    struct root *roots;
+};
+
+/* How the job of a trial answers: "raise", "lower", "undecided", "failed", ... */
+const char *study_answer_word(const struct study *study, const struct study_trial *trial);
+
+/* What a search came to, a word: "searching", "found", "same_ends", "reversed", "stuck". */
+const char *study_conclusion(const struct study *study, size_t replica);
+bool study_found(const struct study *study, size_t replica, double *value, double *low, double *high);
+static inline bool study_is_search(const struct study *study)
+{
+    return study->plan.spec.kind != STUDY_SWEEP;
+}
+
+/* The last trial of a point, NULL if there is none. */
+const struct study_trial *study_trial_at(const struct study *study, int replica, int point);
+
+/* Fills *err with why a search that has ended found nothing; false when all its replicas did. */
+bool study_explain(const struct study *study, struct scree_error *err);
+
+/* Verdicts that contradict each other within a replica, "" if none. */
+void study_contradiction(const struct study *study, size_t replica, char *out, size_t size);
+
+#endif
