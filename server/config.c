@@ -40,6 +40,13 @@ const struct config_option config_options[] = {
      60},
     {"stall-s", "N", "seconds after which a running job that does not move stops the service manager's watchdog from being fed",
      "1800", CONFIG_NUMBER, AT(stall_s), 1, 1000000},
+    {"checkpoint-s", "S", "wall time between checkpoints of a running job, s; 0: only when it is steered", "60", CONFIG_REAL,
+     AT(checkpoint_s), 0, 1e6},
+    {"disk-floor", "GB", "free disk space below which jobs are held, GB", "1, or a twentieth of a small disk", CONFIG_REAL,
+     AT(disk_floor_gb), 0, 1e9},
+    {"memory", "GB", "memory for all worlds together, GB; a job that does not fit is held", "what is free", CONFIG_REAL,
+     AT(memory_gb), 0, 1e9},
+    {"log", "FILE", "append the log to FILE, which SIGHUP opens anew", "stderr", CONFIG_TEXT, AT(log), 0, 0},
     {"ready-fd", "N", "write \"ready\" to file descriptor N once clients can connect", "none", CONFIG_NUMBER, AT(ready_fd), 0,
      1 << 20},
     {"parent", "PID", "end when process PID ends", "none", CONFIG_NUMBER, AT(parent), 1, 1 << 30},
@@ -191,6 +198,9 @@ enum scree_status config_read(struct config *config, int argc, char **argv, stru
 {
     long processors = sysconf(_SC_NPROCESSORS_ONLN);
     *config = (struct config){.workers = processors > 0 ? (int)processors : 1,
+                              .checkpoint_s = 60,
+                              .disk_floor_gb = -1,
+                              .memory_gb = -1,
                               .ready_fd = -1,
                               .max_jobs = 64,
                               .max_fetches = 8,

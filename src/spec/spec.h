@@ -152,4 +152,11 @@ void job_defaults(struct job_spec *job, const struct scenario_fields *scenario);
  * scenario's own. `memory_limit` in bytes (0: none). */
 enum scree_status job_check(const struct job_spec *job, double memory_limit, struct scree_error *err);
 
+/* A job that has begun may go on as `to` only where the tables say `steerable`
+ * (or aside): SCREE_INVALID names the first other difference. */
+enum scree_status job_steer_check(const struct job_spec *from, const struct job_spec *to, struct scree_error *err);
+
+/* True when two jobs compute the same bits: they differ at most in what is aside. */
+bool job_same(const struct job_spec *a, const struct job_spec *b);
+
 #endif

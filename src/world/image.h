@@ -29,6 +29,11 @@ size_t world_array_size(enum world_array_type type); // bytes an element
 enum scree_status world_image_take(const struct scree_world *world, struct world_image *image, struct scree_error *err);
 void world_image_free(struct world_image *image);
 
+/* The same with every array copied: the world may go on. */
+struct scree_image {
+    struct world_image image;
+};
+
 /* A world that goes on from the image, to the bit. */
 enum scree_status world_image_restore(const struct world_image *image, const struct scree_options *options,
                                       const struct scree_sink *sink, struct scree_world **out, struct scree_error *err);
