@@ -301,7 +301,7 @@ static const struct {
 } roles[] = {
     {"ping", ROLE_VIEW},    {"check", ROLE_VIEW},      {"list", ROLE_VIEW},     {"show", ROLE_VIEW},        {"fetch", ROLE_VIEW},
     {"plot", ROLE_VIEW},    {"fetch_part", ROLE_VIEW}, {"open", ROLE_VIEW},     {"credit", ROLE_VIEW},      {"close", ROLE_VIEW},
-    {"trials", ROLE_VIEW},  {"submit", ROLE_SUBMIT},   {"replay", ROLE_SUBMIT}, {"cancel", ROLE_STEER},     {"pause", ROLE_STEER},
+    {"table", ROLE_VIEW},   {"submit", ROLE_SUBMIT},   {"replay", ROLE_SUBMIT}, {"cancel", ROLE_STEER},     {"pause", ROLE_STEER},
     {"resume", ROLE_STEER}, {"set", ROLE_STEER},       {"fork", ROLE_STEER},    {"checkpoint", ROLE_STEER},
 };
 

@@ -70,33 +70,6 @@ static void free_study(struct study *study)
     free(study);
 }
 
-/* Points of a round: what may run at once is shared by the replicas. */
-static int sections_of(const struct study_spec *spec)
-{
-    int64_t share = spec->at_once / spec->replicas;
-    return (int)(share < 1 ? 1 : share > BISECT_SECTIONS_MAX ? BISECT_SECTIONS_MAX : share);
-}
-
-static enum scree_status start_searches(struct study *study, struct scree_error *err)
-{
-    const struct study_spec *s = &study->plan.spec;
-    size_t replicas = (size_t)s->replicas;
-    if (s->kind == STUDY_SWEEP)
-        return SCREE_OK;
-    if (s->kind == STUDY_BISECT)
-        study->bisects = calloc(replicas, sizeof *study->bisects);
-    else
-        study->roots = calloc(replicas, sizeof *study->roots);
-    if (!study->bisects && !study->roots)
-        return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for a study");
-    for (size_t r = 0; r < replicas; r++)
-        if (study->bisects)
-            bisect_start(&study->bisects[r], s->low, s->high, (int)s->digits, sections_of(s));
-        else
-            root_start(&study->roots[r], s->low, s->high, s->target, (int)s->digits);
-    return SCREE_OK;
-}
-
 static enum scree_status keep_study(struct studies *s, struct study *study, struct scree_error *err)
 {
     enum scree_status status = memory_grow((void **)&s->all, &s->room, s->count + 1, sizeof *s->all, err);
@@ -190,7 +163,7 @@ static enum scree_status load_study(void *context, const struct study_row *row, 
         }
     } else {
         study->readable = true;
-        if ((status = start_searches(study, err)))
+        if ((status = study_start_searches(study, err)))
             goto out;
     }
     status = keep_study(s, study, err);
@@ -227,69 +200,6 @@ static enum scree_status load_trial(void *context, const struct trial_row *row, 
 
 /* ---- what trials say ---- */
 
-static int point_count(const struct study *study, int replica)
-{
-    return study->bisects ? study->bisects[replica].point_count : study->roots[replica].point_count;
-}
-
-static bool point_needed(const struct study *study, int replica, int point)
-{
-    if (study->bisects)
-        return study->bisects[replica].points[point].needed;
-    return true;
-}
-
-static bool point_pending(const struct study *study, int replica, int point)
-{
-    if (study->bisects)
-        return study->bisects[replica].points[point].answer == BISECT_PENDING;
-    return !study->roots[replica].points[point].answered;
-}
-
-static double point_at(const struct study *study, int replica, int point)
-{
-    return study->bisects ? study->bisects[replica].points[point].at : study->roots[replica].points[point].at;
-}
-
-/* How long the trial would be that follows an undecided one; 0 when it is at the limit. */
-static double longer(const struct study *study, const struct study_trial *trial)
-{
-    double limit = study_plan_extension(&study->plan), end = trial->job ? trial->job->spec.time.end_s : limit;
-    return end < limit * (1 - 1e-12) ? fmin(2 * end, limit) : 0;
-}
-
-static void take_bisection(struct study *study, const struct study_trial *trial)
-{
-    struct bisect *b = &study->bisects[trial->replica];
-    enum bisect_answer answer = BISECT_NEITHER;
-    enum scree_verdict verdict = trial->job ? trial->job->report.verdict : VERDICT_UNDECIDED;
-    static const unsigned bits[] = {[VERDICT_UNDECIDED] = 0,
-                                    [VERDICT_REST] = STOP_REST,
-                                    [VERDICT_STEADY] = STOP_STEADY,
-                                    [VERDICT_ACCELERATING] = STOP_ACCELERATING};
-    static const enum bisect_answer undecided[] = {
-        [UNDECIDED_REPORT] = BISECT_NEITHER, [UNDECIDED_RAISE] = BISECT_RAISE, [UNDECIDED_LOWER] = BISECT_LOWER};
-    if (trial->job && trial->job->state == JOB_DONE) {
-        if (bits[verdict])
-            answer = study->plan.spec.raise_low_when & bits[verdict] ? BISECT_RAISE : BISECT_LOWER;
-        else if (b->points[trial->point].needed && longer(study, trial) > 0)
-            return; // asked again, for longer
-        else
-            answer = undecided[study->plan.spec.undecided];
-    }
-    bisect_put(b, trial->point, answer);
-}
-
-static void take_root(struct study *study, const struct study_trial *trial)
-{
-    const struct job *job = trial->job;
-    double number = NAN;
-    for (size_t k = 0; job && job->state == JOB_DONE && k < job->report.number_count; k++)
-        if (strcmp(job->report.numbers[k].name, study->plan.spec.number) == 0)
-            number = job->report.numbers[k].value;
-    root_put(&study->roots[trial->replica], trial->point, number, !isfinite(number));
-}
-
 /* Takes the ends that have come, in the order in which trials were submitted: a point thus always stands before its answer. */
 static bool take_ends(struct study *study)
 {
@@ -298,12 +208,8 @@ static bool take_ends(struct study *study)
         struct study_trial *t = &study->trials[k];
         if (t->taken || (t->job && !job_state_ended(t->job->state)))
             continue;
-        if (study_is_search(study) && t->point < point_count(study, t->replica)) {
-            if (study->bisects)
-                take_bisection(study, t);
-            else
-                take_root(study, t);
-        }
+        if (study_is_search(study))
+            study_take(study, t);
         t->taken = any = true;
     }
     while (study->first_open < study->trial_count && study->trials[study->first_open].taken)
@@ -325,7 +231,7 @@ static bool spare_trials(struct studies *s, struct study *study)
     bool any = false;
     for (size_t k = study->first_open; study_is_search(study) && k < study->trial_count; k++) {
         struct study_trial *t = &study->trials[k];
-        if (t->taken || t->spared || !t->job || point_needed(study, t->replica, t->point))
+        if (t->taken || t->spared || !t->job || study_point_needed(study, t->replica, t->point))
             continue;
         struct scree_error error = {0};
         if (scheduler_cancel(s->scheduler, t->job, &error))
@@ -360,14 +266,6 @@ static enum scree_status launch(struct studies *s, struct study *study, int repl
     return SCREE_OK;
 }
 
-const struct study_trial *study_trial_at(const struct study *study, int replica, int point)
-{
-    for (size_t k = study->trial_count; k-- > 0;)
-        if (study->trials[k].replica == replica && study->trials[k].point == point)
-            return &study->trials[k];
-    return NULL;
-}
-
 /* Submits the next trial of a sweep; *more is false when there is none left. */
 static enum scree_status launch_sweep(struct studies *s, struct study *study, bool *more, struct scree_error *err)
 {
@@ -384,15 +282,15 @@ static enum scree_status launch_sweep(struct studies *s, struct study *study, bo
 static enum scree_status launch_search(struct studies *s, struct study *study, bool *more, struct scree_error *err)
 {
     for (int r = 0; r < study->plan.spec.replicas; r++)
-        for (int p = 0; p < point_count(study, r); p++) {
-            if (!point_pending(study, r, p) || !point_needed(study, r, p))
+        for (int p = 0; p < study_point_count(study, r); p++) {
+            if (!study_point_waits(study, r, p))
                 continue;
             const struct study_trial *last = study_trial_at(study, r, p);
             if (last && !last->taken)
                 continue;
             struct job_spec spec;
-            double end = last ? longer(study, last) : 0;
-            enum scree_status status = study_plan_search(&study->plan, point_at(study, r, p), (size_t)r, end, &spec, err);
+            double end = last ? study_longer(study, last) : 0;
+            enum scree_status status = study_plan_search(&study->plan, study_point_at(study, r, p), (size_t)r, end, &spec, err);
             *more = true;
             return status ? status : launch(s, study, r, p, last ? last->extension + 1 : 0, &spec, err);
         }
@@ -545,7 +443,7 @@ static enum scree_status make_study(struct studies *s, const cJSON *json, struct
     cJSON_Delete(resolved);
     if (!study->spec_text)
         return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for the study");
-    return start_searches(study, err);
+    return study_start_searches(study, err);
 }
 
 enum scree_status studies_submit(struct studies *s, const char *request, const cJSON *json, bool again, struct study **out,

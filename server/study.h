@@ -20,9 +20,9 @@ struct study_trial {
 struct study {
     int64_t number;
     char id[JOB_ID_MAX];
-    char request[72];
-    enum job_state state; // queued, running, done, failed or cancelled
-    char *spec_text;      // resolved, one line; owned
+    char request[JOB_REQUEST_MAX]; // of its submit; NAME/ before it if a user from the network sent it
+    enum job_state state;          // queued, running, done, failed or cancelled
+    char *spec_text;               // resolved, one line; owned
     struct study_plan plan;
     bool again, readable; // readable: this version understands the spec
     double submitted, started, ended;
@@ -46,6 +46,21 @@ static inline bool study_is_search(const struct study *study)
 {
     return study->plan.spec.kind != STUDY_SWEEP;
 }
+
+/* Makes the searches of a study that has none yet, one a replica; nothing for a sweep. */
+enum scree_status study_start_searches(struct study *study, struct scree_error *err);
+
+/* Gives the end of a trial's job to its search. An undecided one leaves its point waiting for a longer trial. */
+void study_take(struct study *study, const struct study_trial *trial);
+
+/* Points of a search: how many there are by now, where, whether the answer still depends on one, whether it has none yet. */
+int study_point_count(const struct study *study, int replica);
+double study_point_at(const struct study *study, int replica, int point);
+bool study_point_needed(const struct study *study, int replica, int point);
+bool study_point_waits(const struct study *study, int replica, int point);
+
+/* time.end_s of the trial that follows an undecided one; 0 when that one was at the limit. */
+double study_longer(const struct study *study, const struct study_trial *trial);
 
 /* The last trial of a point, NULL if there is none. */
 const struct study_trial *study_trial_at(const struct study *study, int replica, int point);

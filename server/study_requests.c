@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "io/table.h"
+#include "limits.h"
 #include "study_view.h"
 
 enum { PART_MAX = 512 << 10, FILE_PATH_MAX = CONFIG_PATH_MAX + 64 };
@@ -222,13 +223,34 @@ static enum scree_status do_check(struct daemon *daemon, const cJSON *body, cons
     return status;
 }
 
+/* Studies of a user from the network that have not ended, 0 if `request` is one of them: each brings at most at_once jobs with it.
+ */
+static size_t studies_of(const struct daemon *daemon, const struct user *user, const char *request)
+{
+    size_t count = 0, length = strlen(user->name);
+    for (size_t k = 0; k < studies_count(daemon->studies); k++) {
+        const struct study *study = studies_at(daemon->studies, k);
+        if (strcmp(study->request, request) == 0)
+            return 0; // the same submit once more
+        count +=
+            !job_state_ended(study->state) && strncmp(study->request, user->name, length) == 0 && study->request[length] == '/';
+    }
+    return count;
+}
+
 static enum scree_status do_submit(struct daemon *daemon, const cJSON *body, const char *id, cJSON **result,
                                    struct scree_error *err)
 {
     struct study *study;
     bool reused;
+    char request[LIMITS_REQUEST_MAX];
+    limits_request(&daemon->user, id, request);
     enum scree_status status =
-        studies_submit(daemon->studies, id, json_get(body, "spec"), json_bool(body, "again", false), &study, &reused, err);
+        limits_check(&daemon->user, studies_of(daemon, &daemon->user, request), daemon->config->max_jobs, "studies under way", err);
+    if (status)
+        return status;
+    status =
+        studies_submit(daemon->studies, request, json_get(body, "spec"), json_bool(body, "again", false), &study, &reused, err);
     if (status)
         return status;
     *result = cJSON_CreateObject();

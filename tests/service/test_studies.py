@@ -19,6 +19,7 @@ import numpy
 from raw import PATIENCE_S, Daemon, Refused
 import test_client
 from test_client import Client
+from test_locked import Keyed
 
 # Soft beads, few of them, for a moment: a trial takes a fraction of a second. What has
 # not come to rest by then counts as flowing.
@@ -367,6 +368,13 @@ class StudiesInTheClient(Client):
         self.assertEqual(json.loads(again.stdout), answer)
         self.refused(self.scree("check", self.spec(SWEEP), "--set", "replicas=0"), "replicas: 0 is outside 1..64")
 
+    def test_scenarios_tells_of_studies(self):
+        shown = self.scree("scenarios", "bisect").stdout
+        for word in ("raise_low_when", "seed 000 S4.3", "Required: over, low, high, raise_low_when.", "replica_seeds"):
+            self.assertIn(word, shown)
+        fields = json.loads(self.scree("--json", "scenarios", "root").stdout)
+        self.assertEqual((fields["name"], fields["required"]), ("root", ["over", "low", "high", "number", "target"]))
+
     def test_verbs_take_studies(self):
         self.start()
         study = self.scree("submit", self.spec(SWEEP)).stdout.strip()
@@ -422,6 +430,28 @@ class StudiesInTheClient(Client):
             self.assertIn(word, shown)
         self.assertIn("\x1b[A", shown)
         self.assertIn("\x1b[Ks1  sweep  incline", shown)
+
+
+class StudiesOverTheNetwork(Keyed):
+    def test_roles_and_limits_hold_for_studies(self):
+        self.start("--max-jobs-per-user", "1")
+        ann, bob = self.control(self.user("ann", "submit")), self.control(self.user("bob", "view"))
+        self.denied(bob, "submit", {"spec": SWEEP})
+        long = {"study": "sweep", "job": {**FLOW, "stop": {"when": []}, "time": {"step_s": 2e-6, "end_s": 1000}}, "grid": {"seed": [1]}}
+        study = ann.submit(long, request="r")
+        self.assertEqual(ann.submit(long, request="r"), study)
+        with self.assertRaises(Refused) as refused:
+            ann.submit(SWEEP)
+        self.assertEqual(refused.exception.code, "busy")
+        self.denied(ann, "cancel", {"job": study})
+        # Another user's id of a submit gives nothing away, and takes nothing away.
+        carl = self.control(self.user("carl", "steer"))
+        other = carl.submit(SWEEP, request="r")
+        self.assertNotEqual(other, study)
+        self.assertEqual(carl.ask("cancel", {"job": study})["state"], "cancelled")
+        carl.wait(other)
+        self.assertEqual(len(bob.ask("table", {"job": other})["rows"]), 8)
+        self.assertEqual(bob.ask("show", {"job": other})["state"], "done")
 
 
 if __name__ == "__main__":
