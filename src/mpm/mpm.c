@@ -172,6 +172,8 @@ enum scree_status mpm_start(const struct mpm_setup *setup, struct mpm **out, str
     grid_start(&mpm->grid, setup->length, setup->cells, setup->plane);
     mpm->step_s = setup->step_s;
     memcpy(mpm->gravity, setup->gravity, sizeof mpm->gravity);
+    mpm->tilt = setup->tilt;
+    rigid_tilt(mpm);
     mpm->density = setup->density;
     memcpy(mpm->walls, setup->walls, sizeof mpm->walls);
     mpm->body_count = setup->body_count;

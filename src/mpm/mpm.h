@@ -13,6 +13,7 @@
 #include <stdint.h>
 
 #include "base/status.h"
+#include "continuum_view.h"
 #include "mpm/law.h"
 
 struct mpm;
@@ -44,6 +45,14 @@ struct mpm_region {
     double low[3], high[3]; // m
 };
 
+/* A box that is turned about y by steps, which is gravity turned the other way: from, from + step, ... up to `to`,
+ * each held for hold_s. hold_s = 0: gravity stays as it is given. */
+struct mpm_tilt {
+    double from, to, step; // rad
+    double hold_s;
+    double weight; // size of gravity, m/s2
+};
+
 /* ---- the set-up ---- */
 
 struct mpm_solver {
@@ -55,8 +64,9 @@ struct mpm_solver {
 
 struct mpm_setup {
     double step_s;
-    double gravity[3]; // m/s2
-    double length[3];  // of the box [0, length], m
+    double gravity[3]; // m/s2; not looked at when the box is tilted
+    struct mpm_tilt tilt;
+    double length[3]; // of the box [0, length], m
     int cells[3];
     bool plane;     // two dimensions, x and z: cells[1] and length[1] are not looked at, sums are per metre of depth
     double density; // of the material where it is densest, rho_g phi_c, kg/m3
@@ -91,7 +101,7 @@ double mpm_time(const struct mpm *mpm);
 size_t mpm_points(const struct mpm *mpm);
 const char *mpm_isa(const struct mpm *mpm);
 
-/* Steering: takes effect with the next step. */
+/* Steering: takes effect with the next step; a tilted box turns it back with the step after. */
 void mpm_set_gravity(struct mpm *mpm, const double gravity[3]);
 
 /* Mean force of the material on the box's floor (face z low) over the steps since
@@ -127,27 +137,8 @@ void mpm_watch(struct mpm *mpm, void (*see)(void *context, uint64_t sweeps, stru
 
 /* ---- what the world shows ---- */
 
-struct mpm_view {
-    double time_s, step_s;
-    uint64_t step;
-    double gravity[3], length[3], spacing[3], density;
-    int cells[3];
-    bool plane;
-    size_t points;
-    const uint32_t *id;
-    const double (*position)[4]; // x, y, z, m; [3] volume, m3
-    const double (*velocity)[4]; // m/s
-    /* Nodes by place: field[node(x, y, z)] with z fastest, then y, then x, and grid layers (cells + 1) along each axis. */
-    size_t nodes;
-    const double *fraction;           // phi / phi_c: material over what the node can hold
-    const double (*node_velocity)[4]; // m/s; [3] material volume, m3
-    const double (*stress)[8];        // lambda = -sigma {xx, yy, zz, yz, zx, xy}, Pa; [6] inertial number, [7] friction coefficient
-    double base_force[3];             // on the floor in the last step, N
-    double kinetic, potential;        // J; potential -m g.x
-    double volume;                    // of all material, m3
-};
 /* Fills *view; arrays belong to the world and hold until it is advanced. */
-enum scree_status mpm_view(struct mpm *mpm, struct mpm_view *view, struct scree_error *err);
+enum scree_status mpm_view(struct mpm *mpm, struct continuum_view *view, struct scree_error *err);
 
 /* ---- where the time goes ---- */
 

@@ -23,6 +23,18 @@ double rigid_way(const struct mpm_body *body, double time, int axis)
     return body->velocity[axis] * (t + body->tau_s * expm1(-t / body->tau_s));
 }
 
+void rigid_tilt(struct mpm *mpm)
+{
+    const struct mpm_tilt *tilt = &mpm->tilt;
+    if (!(tilt->hold_s > 0))
+        return;
+    double turns = floor((mpm_time(mpm) + 1e-9 * tilt->hold_s) / tilt->hold_s), *g = mpm->gravity;
+    double angle = fmin(tilt->from + turns * tilt->step, tilt->to);
+    g[0] = tilt->weight * sin(angle);
+    g[1] = 0;
+    g[2] = -tilt->weight * cos(angle);
+}
+
 /* The face's axis, and whether a node lies on it. */
 static bool on_face(const struct mpm *mpm, const int place[3], int face)
 {

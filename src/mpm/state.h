@@ -28,6 +28,7 @@ struct member_part {
 struct mpm {
     struct grid grid;
     double step_s, gravity[3], density;
+    struct mpm_tilt tilt;
     uint64_t step;
     struct mpm_wall walls[MPM_FACES];
     struct mpm_body bodies[MPM_BODIES_MAX];
@@ -121,6 +122,9 @@ enum scree_status mpm_start(const struct mpm_setup *setup, struct mpm **out, str
 
 /* gauss_seidel.c: solves the field; every member calls it. */
 void gauss_seidel(struct mpm *mpm, int member);
+
+/* rigid.c: gravity of the next step where the box is tilted. */
+void rigid_tilt(struct mpm *mpm);
 
 /* step.c */
 void mpm_clock(struct mpm *mpm, int member, enum mpm_phase phase); // adds the time since the last call

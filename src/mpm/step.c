@@ -63,6 +63,7 @@ static enum scree_status check(struct mpm *mpm, struct scree_error *err)
     }
     mpm->report.worst_courant = courant;
     mpm->step++;
+    rigid_tilt(mpm);
     if (courant <= 1)
         return SCREE_OK;
     enum scree_status status =

@@ -82,7 +82,7 @@ static void show_points(struct mpm *mpm)
     }
 }
 
-static void show_sums(const struct mpm *mpm, struct mpm_view *view)
+static void show_sums(const struct mpm *mpm, struct continuum_view *view)
 {
     for (size_t n = 0; n < view->nodes; n++) {
         const double *u = view->node_velocity[n];
@@ -94,7 +94,7 @@ static void show_sums(const struct mpm *mpm, struct mpm_view *view)
     }
 }
 
-enum scree_status mpm_view(struct mpm *mpm, struct mpm_view *view, struct scree_error *err)
+enum scree_status mpm_view(struct mpm *mpm, struct continuum_view *view, struct scree_error *err)
 {
     const struct grid *g = &mpm->grid;
     size_t nodes = (size_t)grid_layers(g, 0) * (size_t)grid_layers(g, 1) * (size_t)grid_layers(g, 2), at = 0;
@@ -106,20 +106,20 @@ enum scree_status mpm_view(struct mpm *mpm, struct mpm_view *view, struct scree_
             for (int z = 0; z < grid_layers(g, 2); z++)
                 show_node(mpm, (int[3]){x, y, z}, at++);
     show_points(mpm);
-    *view = (struct mpm_view){.time_s = mpm_time(mpm),
-                              .step_s = mpm->step_s,
-                              .step = mpm->step,
-                              .density = mpm->density,
-                              .plane = g->plane,
-                              .points = mpm->points,
-                              .id = mpm->id,
-                              .position = (const double(*)[4])mpm->position,
-                              .velocity = (const double(*)[4])mpm->view_velocity,
-                              .nodes = nodes,
-                              .fraction = mpm->view_fraction,
-                              .node_velocity = (const double(*)[4])mpm->view_node_velocity,
-                              .stress = (const double(*)[8])mpm->view_stress,
-                              .volume = mpm->total_volume};
+    *view = (struct continuum_view){.time_s = mpm_time(mpm),
+                                    .step_s = mpm->step_s,
+                                    .step = mpm->step,
+                                    .density = mpm->density,
+                                    .plane = g->plane,
+                                    .points = mpm->points,
+                                    .id = mpm->id,
+                                    .position = (const double(*)[4])mpm->position,
+                                    .velocity = (const double(*)[4])mpm->view_velocity,
+                                    .nodes = nodes,
+                                    .fraction = mpm->view_fraction,
+                                    .node_velocity = (const double(*)[4])mpm->view_node_velocity,
+                                    .stress = (const double(*)[8])mpm->view_stress,
+                                    .volume = mpm->total_volume};
     memcpy(view->gravity, mpm->gravity, sizeof view->gravity);
     memcpy(view->length, g->length, sizeof view->length);
     memcpy(view->spacing, g->spacing, sizeof view->spacing);

@@ -5,10 +5,18 @@
 
 #include "spec/spec.h"
 
-extern const struct scenario_fields scenario_incline_fields, scenario_collision_fields;
+extern const struct scenario_fields scenario_incline_fields, scenario_collision_fields, scenario_collapse_fields,
+    scenario_tilt_fields;
 
 /* Refuses a time step too long for the material at impacts of `speed`, m/s. */
 enum scree_status check_step(const struct job_spec *job, double speed, struct scree_error *err);
+
+/* Refuses what no world of continuum can do: steps in which a point at `speed`, m/s, crosses a cell of `cell` m. */
+enum scree_status continuum_check(const struct job_spec *job, const struct continuum_spec *continuum, double speed, double cell,
+                                  struct scree_error *err);
+
+/* Bytes of a world of that many points and cells. */
+double continuum_bytes(double points, double cells);
 
 /* Refuses record intervals shorter than a step. */
 enum scree_status check_intervals(const struct job_spec *job, struct scree_error *err);

@@ -110,6 +110,10 @@ struct scenario_fields {
     const struct field_table *params; // its struct fits SPEC_PARAMS_MAX
     /* Overwrites those of the job's defaults that differ for this scenario. */
     void (*defaults)(struct job_spec *job);
+    /* A row of params, a FIELD_ENUM, that names a published run, and what overwrites the job's values by that run's before
+     * any other key is read. NULL: none. */
+    const char *adopt_key;
+    void (*adopt)(struct job_spec *job);
     /* Checks what ranges cannot say (time step against stiffness, intervals
      * against the step); the job has passed the range checks. */
     enum scree_status (*check)(const struct job_spec *job, struct scree_error *err);
@@ -143,6 +147,45 @@ struct collision_params { // one contact: grain 1 meets a sphere or a plane alon
     double tangential_m_s[3];    // of grain 1, relative, in the plane of contact (its z must be 0)
     double spin1_rad_s[3], spin2_rad_s[3];
     double gravity_m_s2[3];
+};
+
+enum continuum_law { LAW_CONSTANT, LAW_MU_I, LAW_HYSTERETIC, LAW_HYSTERETIC_STEP };
+/* The granular continuum and how it is solved: the same for every scenario of seed 002. */
+struct continuum_spec {
+    double density_kg_m3; // of the material where it is densest
+    double grain_m;       // diameter, in the inertial number
+    int law;
+    double mu;                      // friction coefficient: the law's only one, mu(I)'s mu_stop, the hysteretic one in flow
+    double mu_2, inertial0;         // of mu(I)
+    double delta_mu, inertial_star; // of the hysteretic laws
+    double inertial_fraction;       // I uses density / this: 0.6 the grains' (published code), 1 the bulk's (paper)
+    int64_t points;                 // material points along a cell's edge
+    double jitter;
+    double tolerance; // of the mean squared residual
+    int64_t sweeps;   // at most, a step
+    double recover_s;
+};
+extern const struct field_table continuum_table;
+
+struct collapse_params { // seed 002, section 4: a column on an erodible bed behind a gate
+    int run;
+    double slope_deg;
+    double gravity_m_s2;
+    double height_m, length_m, width_m; // of the column
+    double bed_m, box_length_m, box_height_m;
+    bool plane;
+    double cell_m, cell_height_m;
+    double mu_wall, mu_gate, gate_speed_m_s, gate_tau_s, gate_wait_s;
+    struct continuum_spec continuum;
+};
+
+struct tilt_params { // seed 002, section 2.4: a bed in a box that is tilted step by step
+    double from_deg, to_deg, step_deg, hold_s;
+    double gravity_m_s2;
+    double length_m, height_m, width_m, bed_m;
+    bool plane;
+    int64_t cells_x, cells_y, cells_z;
+    struct continuum_spec continuum;
 };
 
 /* Fills a job with the defaults of a scenario and its preset material. */

@@ -88,7 +88,7 @@ static void image_does_not_show(void **state)
     continuum_run(first, STEPS - MIDDLE);
     continuum_run(second, STEPS - MIDDLE);
     assert_int_equal(mpm_hash(second), mpm_hash(first));
-    struct mpm_view a = continuum_view(first), b = continuum_view(second);
+    struct continuum_view a = continuum_view(first), b = continuum_view(second);
     assert_true(a.kinetic == b.kinetic && a.potential == b.potential && a.volume == b.volume);
     assert_memory_equal(&(double[1]){mpm_report(first).residual.mean}, &(double[1]){mpm_report(second).residual.mean},
                         sizeof(double));

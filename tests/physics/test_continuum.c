@@ -13,13 +13,13 @@ static void free_fall_is_exact(void **state)
     s.velocity[0] = 0.2;
     s.velocity[1] = -0.05;
     struct mpm *mpm = continuum_start(&s);
-    struct mpm_view first = continuum_view(mpm);
+    struct continuum_view first = continuum_view(mpm);
     double(*x0)[4] = malloc(first.points * sizeof *x0);
     for (size_t p = 0; p < first.points; p++)
         memcpy(x0[first.id[p]], first.position[p], sizeof *x0);
     enum { STEPS = 60 };
     continuum_run(mpm, STEPS);
-    struct mpm_view view = continuum_view(mpm);
+    struct continuum_view view = continuum_view(mpm);
     double t = STEPS * s.step_s, drop = g * s.step_s * s.step_s * STEPS * (STEPS + 1) / 2; // sum of g k dt^2
     double mean[3];
     continuum_mean(&view, mean);
@@ -49,7 +49,7 @@ static void stresses_conserve_momentum(void **state)
     }
     s.gradient[0][2] = 3;
     struct mpm *mpm = continuum_start(&s);
-    struct mpm_view view = continuum_view(mpm);
+    struct continuum_view view = continuum_view(mpm);
     double before[3], after[3], pressed = 0;
     continuum_mean(&view, before);
     for (int k = 0; k < 20; k++) {
@@ -66,7 +66,7 @@ static void stresses_conserve_momentum(void **state)
 }
 
 /* Mean of the vertical stress over a layer of nodes, weighted by their shares of the section. */
-static double mean_stress(const struct mpm_view *view, int z)
+static double mean_stress(const struct continuum_view *view, int z)
 {
     double sum = 0, weight = 0;
     for (int x = 0; x <= view->cells[0]; x++)
@@ -91,7 +91,7 @@ static void check_column(bool plane)
     double force[3], weight = s.density * g * 0.04 * 0.12 * (plane ? 1 : 0.03);
     mpm_take_base_force(mpm, force);
     assert_true(fabs(force[2] + weight) < 1e-6 * weight);
-    struct mpm_view view = continuum_view(mpm);
+    struct continuum_view view = continuum_view(mpm);
     for (int z = 1; z < 12; z++) {
         double expect = s.density * g * (0.12 - 0.01 * z);
         assert_true(fabs(mean_stress(&view, z) - expect) < 1e-5 * expect);
@@ -131,7 +131,7 @@ static struct slide slide(double angle, double mu, bool plane, uint64_t steps)
     s.gravity[2] = -g * cos(angle);
     struct mpm *mpm = continuum_start(&s);
     continuum_run(mpm, steps - 1);
-    struct mpm_view view = continuum_view(mpm);
+    struct continuum_view view = continuum_view(mpm);
     double before[3], after[3];
     continuum_mean(&view, before);
     continuum_run(mpm, 1);
@@ -190,7 +190,7 @@ static void body_pushes(void **state)
     s.coefs.mu = 3;
     struct mpm *mpm = continuum_start(&s);
     continuum_run(mpm, 80);
-    struct mpm_view view = continuum_view(mpm);
+    struct continuum_view view = continuum_view(mpm);
     double mean[3];
     continuum_mean(&view, mean);
     assert_true(mean[0] > 0.99 * 0.2 && mean[0] < 1.06 * 0.2); // the free side crumbles ahead
@@ -214,7 +214,7 @@ static void column_falls_when_the_gate_lifts(void **state)
     s.solver.tolerance = 1e-11;
     struct mpm *mpm = continuum_start(&s);
     continuum_run(mpm, 29);
-    struct mpm_view view = continuum_view(mpm);
+    struct continuum_view view = continuum_view(mpm);
     double held = view.kinetic;
     continuum_run(mpm, 60);
     view = continuum_view(mpm);
@@ -239,7 +239,7 @@ static void frame_does_not_matter(void **state)
         s.solver.tolerance = 1e-15;
         struct mpm *mpm = continuum_start(&s);
         continuum_run(mpm, 60);
-        struct mpm_view view = continuum_view(mpm);
+        struct continuum_view view = continuum_view(mpm);
         for (size_t p = 0; p < view.points; p++)
             front[turn] += view.position[p][turn] / (double)view.points;
         mpm_free(mpm);
@@ -277,7 +277,7 @@ static void flowing_nodes_are_on_the_cone(void **state)
     s.points_per_cell = 3;
     struct mpm *mpm = continuum_start(&s);
     continuum_run(mpm, 60);
-    struct mpm_view view = continuum_view(mpm);
+    struct continuum_view view = continuum_view(mpm);
     int flowing = 0;
     for (size_t n = 0; n < view.nodes; n++) {
         const double *l = view.stress[n], p = 0.5 * (l[0] + l[2]), half = 0.5 * (l[0] - l[2]);

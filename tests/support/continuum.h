@@ -46,21 +46,15 @@ static inline void continuum_run(struct mpm *mpm, uint64_t steps)
         fail_msg("%s", err.message);
 }
 
-static inline struct mpm_view continuum_view(struct mpm *mpm)
+static inline struct continuum_view continuum_view(struct mpm *mpm)
 {
-    struct mpm_view view;
+    struct continuum_view view;
     assert_int_equal(mpm_view(mpm, &view, NULL), SCREE_OK);
     return view;
 }
 
-static inline size_t continuum_node(const struct mpm_view *view, int x, int y, int z)
-{
-    size_t depth = view->plane ? 1 : (size_t)view->cells[1] + 1;
-    return ((size_t)x * depth + (size_t)y) * ((size_t)view->cells[2] + 1) + (size_t)z;
-}
-
 /* Mean velocity, weighted by volume. */
-static inline void continuum_mean(const struct mpm_view *view, double mean[3])
+static inline void continuum_mean(const struct continuum_view *view, double mean[3])
 {
     double volume = 0;
     for (int a = 0; a < 3; a++)

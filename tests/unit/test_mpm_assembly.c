@@ -101,7 +101,7 @@ static void moments_follow_the_points(void **state)
         moved += mpm_report(mpm).moved;
     }
     assert_true(moved > 200);
-    struct mpm_view view = continuum_view(mpm);
+    struct continuum_view view = continuum_view(mpm);
     double worst = 0;
     for (int x = 0; x <= 8; x++)
         for (int y = 0; y <= 5; y++)
@@ -125,7 +125,7 @@ static void mass_is_conserved(void **state)
     s.solver.tolerance = 1e-10;
     struct mpm *mpm = continuum_start(&s);
     continuum_run(mpm, 100);
-    struct mpm_view view = continuum_view(mpm);
+    struct continuum_view view = continuum_view(mpm);
     bool *seen = calloc(view.points, sizeof *seen);
     double points = 0, nodes = 0;
     for (size_t p = 0; p < view.points; p++) {

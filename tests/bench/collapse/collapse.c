@@ -118,7 +118,7 @@ static void report_step(struct mpm *mpm)
     struct mpm_report r = mpm_report(mpm);
     double base[3];
     mpm_take_base_force(mpm, base);
-    struct mpm_view view;
+    struct continuum_view view;
     if (mpm_view(mpm, &view, NULL) != SCREE_OK)
         return;
     double far = 0;
