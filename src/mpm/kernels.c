@@ -159,10 +159,11 @@ SIMD_INLINE unsigned visit(const struct field *f, struct local_axes axes, size_t
     row->stress_d = ld;
     row->stress_o = lo;
     const v4 zero = {0, 0, 0, 0};
-    if (m4_bits((m4)(dd != zero)) | m4_bits((m4)(dof != zero)))
+    if (m4_bits((m4)(dd != zero)) | m4_bits((m4)(dof != zero))) {
         scatter(f, row, c, turn_out(dd, dof, (const double(*)[4])row->basis));
-    if (row->contacts) // again: what the row just did to its own node is most of what the wall must answer
-        visit_contacts(f, row);
+        if (row->contacts) // again: what the row just did to its own node is most of what the wall must answer
+            visit_contacts(f, row);
+    }
     return stalls;
 }
 
