@@ -73,8 +73,7 @@ static inline struct turn quat_turn(struct quat q)
 }
 static inline struct vec3 turn_out(const struct turn *t, struct vec3 body) // body to space
 {
-    return vec3_add(vec3_add(vec3_scale(t->column[0], body.x), vec3_scale(t->column[1], body.y)),
-                    vec3_scale(t->column[2], body.z));
+    return vec3_add(vec3_add(vec3_scale(t->column[0], body.x), vec3_scale(t->column[1], body.y)), vec3_scale(t->column[2], body.z));
 }
 static inline struct vec3 turn_in(const struct turn *t, struct vec3 space) // space to body
 {
