@@ -9,7 +9,7 @@
 #include "dem/law.h"
 
 struct dem_scalars {
-    uint64_t moving, grains, contacts, wall_contacts, walls, step, base_steps, ledger;
+    uint64_t moving, grains, contacts, wall_contacts, walls, bodies, step, base_steps, ledger;
     double step_s, gravity[3], length[3], floor_z, base_sum[3], lost[4], wrapped_work, start_potential;
 };
 
@@ -19,6 +19,10 @@ struct dem_image {
     double *mass;
     uint32_t *id;
     struct dem_wall *walls;
+    /* Bodies, if any: [7] rows a body of position, velocity, momentum, orientation,
+     * inverse inertia, force, torque, one kind after the other; offsets by row. */
+    double (*body)[4], (*offset)[4];
+    uint32_t *body_first, *body_id, *body_shape; // first has one more entry
     /* Contacts in the order of the step, with what they remember and what they exert. */
     uint64_t *keys;
     double (*contact)[CONTACT_SLOTS];
@@ -34,8 +38,9 @@ struct dem_image {
 enum scree_status dem_save(const struct dem *dem, struct dem_image *image, struct scree_error *err);
 void dem_image_free(struct dem_image *image);
 
-/* A world that goes on from the image, to the bit; copies what it needs. */
-enum scree_status dem_load(const struct dem_image *image, const struct material_spec *material, const char *isa, int threads,
+/* A world that goes on from the image, to the bit; copies what it needs. `law` and
+ * `matter` as in struct dem_setup: NULL law is hertz-mindlin-rolling. */
+enum scree_status dem_load(const struct dem_image *image, const struct law *law, const void *matter, const char *isa, int threads,
                            struct dem **out, struct scree_error *err);
 
 #endif

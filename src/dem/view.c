@@ -10,6 +10,7 @@
 
 #include "base/memory.h"
 #include "base/vec3.h"
+#include "dem/bodies.h"
 #include "dem/state.h"
 
 static enum scree_status view_room(struct dem *dem, size_t contacts, struct scree_error *err)
@@ -52,10 +53,10 @@ static void take_back(struct dem *dem, size_t row, double sign, const double for
     }
 }
 
-static void finish_contact(const struct dem *dem, const double contact[CONTACT_SLOTS], const struct contact_out *out,
+static void finish_contact(const struct dem *dem, int partner, const double contact[CONTACT_SLOTS], const struct contact_out *out,
                            struct view_contact *c)
 {
-    struct contact_loss e = dem->law->elastic(&dem->coefs, contact, c->overlap);
+    struct contact_loss e = dem->law->elastic(&dem->coefs[partner], contact, c->overlap);
     c->elastic = e.normal + e.tangential + e.torsion + e.rolling;
     c->force_normal = vec3_dot(vec3_load(out->force), vec3_load(c->normal));
     memcpy(c->force, out->force, sizeof c->force);
@@ -74,7 +75,7 @@ static void view_pairs(struct dem *dem, const struct part *part, struct view *vi
         struct view_contact *c = &dem->view_contacts[view->contacts++];
         *c = (struct view_contact){.a = i, .b = j, .overlap = fmax(0, dem->position[i][3] + dem->position[j][3] - distance)};
         vec3_store3(c->normal, n);
-        finish_contact(dem, part->near.contact[p], &part->out[k], c);
+        finish_contact(dem, 0, part->near.contact[p], &part->out[k], c);
         take_back(dem, i, -1, part->out[k].force, part->out[k].torque1);
         take_back(dem, j, 1, part->out[k].force, part->out[k].torque2);
         if (j >= dem->moving)
@@ -92,7 +93,7 @@ static void view_walls(struct dem *dem, const struct part *part, struct view *vi
         struct view_contact *c = &dem->view_contacts[view->contacts++];
         *c = (struct view_contact){.a = pair->grain, .b = VIEW_WALL + pair->wall, .overlap = pair->overlap};
         memcpy(c->normal, pair->normal, sizeof c->normal);
-        finish_contact(dem, pair->contact, &pair->out, c);
+        finish_contact(dem, dem->walls[pair->wall].partner, pair->contact, &pair->out, c);
         memset(c->torque_b, 0, sizeof c->torque_b);
         take_back(dem, pair->grain, -1, pair->out.force, pair->out.torque1);
         if (dem->walls[pair->wall].base)
@@ -130,7 +131,7 @@ enum scree_status dem_view(struct dem *dem, struct view *view, struct scree_erro
                           .velocity = (const double(*)[4])dem->view_velocity,
                           .spin = (const double(*)[4])dem->view_spin,
                           .contact = dem->view_contacts,
-                          .gravity_work = order_potential(dem) - dem->start_potential + dem->wrapped_work,
+                          .gravity_work = dem->motion->potential(dem) - dem->start_potential + dem->wrapped_work,
                           .dissipated_normal = dem->lost[0],
                           .dissipated_tangential = dem->lost[1],
                           .dissipated_torsion = dem->lost[2],
@@ -147,13 +148,15 @@ enum scree_status dem_view(struct dem *dem, struct view *view, struct scree_erro
         for (int k = 0; k < dem->part_count; k++)
             view_walls(dem, &dem->parts[k], view);
     }
+    if (dem->bodies && (status = bodies_view(dem, view, err)))
+        return status;
     view_approach(dem, view);
     return SCREE_OK;
 }
 
 /* ---- hash ---- */
 
-static uint64_t hash_double(uint64_t h, double value)
+uint64_t hash_double(uint64_t h, double value)
 {
     uint64_t bits;
     memcpy(&bits, &value, sizeof bits);
@@ -197,5 +200,5 @@ uint64_t dem_hash(const struct dem *dem)
                 sum += hash_contact(hash_double(hash_double(4, dem->id[part->walls[w].grain]), part->walls[w].wall),
                                     part->walls[w].contact, 1);
     }
-    return sum;
+    return dem->bodies ? bodies_hash(dem, sum) : sum;
 }

@@ -48,6 +48,38 @@ double material_contact_time(const struct material_spec *m, double speed);
  * the bound and its derivation. */
 double material_stable_step(const struct material_spec *m, double speed);
 
+/* ---- material: angular fragments of seed 003 (law "hertz-mindlin-tsuji") ---- */
+
+/* What a clast may touch: Table 2's columns. */
+enum fragment_partner { FRAGMENT_CLAST, FRAGMENT_CHUTE, FRAGMENT_GATE, FRAGMENT_PARTNERS };
+struct fragment_matter { // Table 1
+    double shear_Pa;     // G
+    double poisson;      // nu
+};
+struct fragment_pair { // Table 2
+    double restitution;
+    double friction; // static, mu_s
+    double rolling;  // mu_r of eq. 13
+};
+struct fragment_spec {
+    char preset[48];
+    double density_kg_m3; // of the clasts
+    struct fragment_matter clast, chute, gate;
+    struct fragment_pair clast_clast, clast_chute, clast_gate;
+    double softening; // moduli are divided by it in every contact
+    bool clamp;       // normal forces never pull (as published they do, at the end of a contact)
+};
+extern const struct field_table fragment_table;
+extern const struct fragment_spec fragment_igneous; // Tables 1 and 2
+
+const struct fragment_matter *fragment_matter_of(const struct fragment_spec *m, int partner);
+const struct fragment_pair *fragment_pair_of(const struct fragment_spec *m, int partner);
+double fragment_young_modulus(const struct fragment_matter *m); // E = 2 G (1 + nu), Pa
+/* Time that a Rayleigh wave takes around a clast's sphere, softening included
+ * (targets S3-15): pi R sqrt(rho / G) / (0.1631 nu + 0.8766), s. Time steps are
+ * a share of it. */
+double fragment_rayleigh_time(const struct fragment_spec *m, double radius_m);
+
 /* ---- time, stop, record ---- */
 
 struct time_spec {

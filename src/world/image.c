@@ -176,7 +176,7 @@ static enum scree_status restore_dem(struct scree_world *w, const struct world_i
     if (!d.position || !d.velocity || !d.spin || !d.mass || !d.id || !d.walls || !d.keys || !d.contact || !d.out || !d.wall_keys ||
         !d.wall_contact || !d.wall_out || !d.wall_overlap)
         return damaged("an array of grains or contacts", err);
-    return dem_load(&d, &w->job.material, options ? options->isa : NULL, w->threads, &w->dem, err);
+    return dem_load(&d, NULL, &w->job.material, options ? options->isa : NULL, w->threads, &w->dem, err);
 }
 
 static enum scree_status restore_series(const struct world_image *image, const char *name, struct series *series,
