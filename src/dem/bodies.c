@@ -170,12 +170,11 @@ static void bodies_kick(struct dem *dem, struct part *part)
 {
     struct bodies *b = dem->bodies;
     const double dt = dem->step_s;
-    double unused[4];
+    _Alignas(32) double unused[4] = {0};
     const struct sink sink = {b->load, b->twist, b->load, unused};
     for (size_t i = part->from; i < part->to; i++)
         for (int a = 0; a < 3; a++)
             b->load[i][a] = b->twist[i][a] = 0;
-    memset(unused, 0, sizeof unused);
     kick_rows(dem, part, &sink);
     if (part->from == part->to)
         return;
