@@ -3,7 +3,7 @@
  *
  * The step is the free grains' with more in it: kicks change velocity and
  * angular momentum (in space), the drift moves the centre of mass and turns the
- * body freely for one step (quat.h). Members get the velocity and spin that the
+ * body freely for one step (quat.h; bodies_kernel.c, four at a time). Members get the velocity and spin that the
  * body has at half the step, which is what contact laws are given for free
  * grains too.
  *
@@ -117,79 +117,51 @@ void bodies_fill(struct dem *dem, const struct dem_setup *setup)
 
 /* ---- the step ---- */
 
-/* How far the row's way over the step is from that at the velocity of the refresh. */
-static void note_stray(double strayed2[4], const double velocity0[4], struct vec3 way, double rate)
-{
-    double change[3] = {way.x * rate - velocity0[0], way.y * rate - velocity0[1], way.z * rate - velocity0[2]};
-    for (int a = 0; a < 3; a++)
-        strayed2[a] = fmax(strayed2[a], change[a] * change[a]);
-}
-
-static void body_drift(struct dem *dem, size_t k, struct vec3 kick, double strayed2[4])
+static struct body_batch batch_of(struct dem *dem, struct part *part)
 {
     struct bodies *b = dem->bodies;
-    const double dt = dem->step_s, rate = 1 / dt;
-    struct vec3 velocity = vec3_add(vec3_load(b->velocity[k]), kick), inverse = vec3_load(b->inverse[k]);
-    struct vec3 centre = vec3_add(vec3_load(b->position[k]), vec3_scale(velocity, dt));
-    vec3_store3(b->velocity[k], velocity);
-    vec3_store3(b->position[k], centre);
-
-    struct quat q = quat_load(b->orientation[k]);
-    struct turn turn = quat_turn(q);
-    struct spinning body = {q, turn_in(&turn, vec3_load(b->momentum[k]))};
-    spinning_first_half(&body, inverse, 0.5 * dt);
-    struct turn middle = quat_turn(body.orientation);
-    struct vec3 own = {body.momentum.x * inverse.x, body.momentum.y * inverse.y, body.momentum.z * inverse.z};
-    struct vec3 spin = turn_out(&middle, own);
-    spinning_second_half(&body, inverse, 0.5 * dt);
-    q = quat_tidy(body.orientation);
-    turn = quat_turn(q);
-    quat_store(b->orientation[k], q);
-
-    for (size_t i = b->first[k]; i < b->first[k + 1]; i++) {
-        struct vec3 offset = vec3_load(b->offset[i]), arm = turn_out(&turn, offset), place = vec3_add(centre, arm);
-        note_stray(strayed2, dem->velocity0[i], vec3_sub(place, vec3_load(dem->position[i])), rate);
-        vec3_store(dem->arm[i], arm);
-        vec3_store3(dem->position[i], place);
-        vec3_store3(dem->velocity[i], vec3_add(velocity, vec3_cross(spin, turn_out(&middle, offset))));
-        vec3_store3(dem->spin[i], spin);
-    }
+    bool any = part->from < part->to;
+    return (struct body_batch){.from = any ? b->of[part->from] : 0,
+                               .to = any ? b->of[part->to - 1] + 1 : 0,
+                               .first = b->first,
+                               .centre = b->position,
+                               .velocity = b->velocity,
+                               .momentum = b->momentum,
+                               .orientation = b->orientation,
+                               .force = b->force,
+                               .torque = b->torque,
+                               .inverse = (const double(*)[4])b->inverse,
+                               .offset = (const double(*)[4])b->offset,
+                               .speed0 = (const double(*)[4])dem->velocity0,
+                               .place = dem->position,
+                               .speed = dem->velocity,
+                               .spin = dem->spin,
+                               .arm = dem->arm,
+                               .load = (const double(*)[4])b->load,
+                               .twist = (const double(*)[4])b->twist,
+                               .strayed2 = part->strayed2,
+                               .step = dem->step_s};
 }
 
 static void bodies_drift(struct dem *dem, struct part *part)
 {
-    const struct bodies *b = dem->bodies;
-    const struct vec3 kick = vec3_scale(vec3_load(dem->gravity), dem->step_s);
-    if (part->from == part->to)
-        return;
-    for (size_t k = b->of[part->from]; k < b->count && b->first[k] < part->to; k++)
-        body_drift(dem, k, kick, part->strayed2);
+    struct body_batch batch = batch_of(dem, part);
+    for (int a = 0; a < 3; a++)
+        batch.kick[a] = dem->gravity[a] * dem->step_s;
+    dem->kernels->bodies_drift(&batch);
 }
 
 static void bodies_kick(struct dem *dem, struct part *part)
 {
     struct bodies *b = dem->bodies;
-    const double dt = dem->step_s;
-    _Alignas(32) double unused[4] = {0};
+    _Alignas(32) double unused[4] = {0}; // members do not stray by their own load
     const struct sink sink = {b->load, b->twist, b->load, unused};
+    const struct body_batch batch = batch_of(dem, part);
     for (size_t i = part->from; i < part->to; i++)
         for (int a = 0; a < 3; a++)
             b->load[i][a] = b->twist[i][a] = 0;
     kick_rows(dem, part, &sink);
-    if (part->from == part->to)
-        return;
-    for (size_t k = b->of[part->from]; k < b->count && b->first[k] < part->to; k++) {
-        struct vec3 force = {0, 0, 0}, torque = {0, 0, 0};
-        for (size_t i = b->first[k]; i < b->first[k + 1]; i++) {
-            struct vec3 load = vec3_load(b->load[i]);
-            force = vec3_add(force, load);
-            torque = vec3_add(torque, vec3_add(vec3_load(b->twist[i]), vec3_cross(vec3_load(dem->arm[i]), load)));
-        }
-        vec3_store(b->force[k], force);
-        vec3_store(b->torque[k], torque);
-        vec3_store3(b->velocity[k], vec3_add(vec3_load(b->velocity[k]), vec3_scale(force, b->velocity[k][3])));
-        vec3_store3(b->momentum[k], vec3_add(vec3_load(b->momentum[k]), vec3_scale(torque, dt)));
-    }
+    dem->kernels->bodies_gather(&batch);
 }
 
 /* ---- housekeeping ---- */

@@ -145,4 +145,9 @@ static size_t approach(const struct pair_batch *b, size_t count, double horizon,
     return found;
 }
 
-const struct kernels PER_ISA(kernels) = {.drift = drift, .touch = touch, .kick = kick, .approach = approach};
+const struct kernels PER_ISA(kernels) = {.drift = drift,
+                                         .touch = touch,
+                                         .kick = kick,
+                                         .approach = approach,
+                                         .bodies_drift = PER_ISA(bodies_drift),
+                                         .bodies_gather = PER_ISA(bodies_gather)};

@@ -289,8 +289,8 @@ static void lists_hold_every_touching_pair(void **state)
     (void)state;
     struct dem *dem = heap(1, NULL, false, 4e-6);
     size_t found = 0;
-    for (int k = 0; k < 60; k++) {
-        advance(dem, 311);
+    for (int k = 0; k < 100; k++) {
+        advance(dem, 211);
         struct view view = look(dem);
         size_t pairs = 0, listed = 0;
         for (size_t c = 0; c < view.contacts; c++)
@@ -309,7 +309,7 @@ static void lists_hold_every_touching_pair(void **state)
         assert_int_equal(pairs, listed);
         found += pairs;
     }
-    assert_true(found > 1000);
+    assert_true(found > 100);
     dem_free(dem);
 }
 
@@ -325,7 +325,7 @@ static void the_ledger_of_a_heap_closes(void **state)
         struct bulk bulk;
         bulk_measure(&view, &bulk);
         double start = bulk.kinetic;
-        advance(dem, (uint64_t)round(0.08 / step));
+        advance(dem, (uint64_t)round(0.05 / step));
         view = look(dem);
         bulk_measure(&view, &bulk);
         double lost = view.dissipated_normal + view.dissipated_tangential + view.dissipated_rolling;
@@ -339,8 +339,8 @@ static void the_ledger_of_a_heap_closes(void **state)
 static uint64_t hash_after(int threads, const char *isa, uint64_t slice)
 {
     struct dem *dem = heap(threads, isa, false, 4e-6);
-    for (uint64_t done = 0; done < 20000; done += slice)
-        advance(dem, done + slice > 20000 ? 20000 - done : slice);
+    for (uint64_t done = 0; done < 15000; done += slice)
+        advance(dem, done + slice > 15000 ? 15000 - done : slice);
     uint64_t hash = dem_hash(dem);
     dem_free(dem);
     return hash;
@@ -349,13 +349,13 @@ static uint64_t hash_after(int threads, const char *isa, uint64_t slice)
 static void threads_instruction_sets_and_slices_do_not_show(void **state)
 {
     (void)state;
-    uint64_t hash = hash_after(1, NULL, 20000);
+    uint64_t hash = hash_after(1, NULL, 15000);
     const int threads[] = {2, 3, 5};
     for (int k = 0; k < 3; k++)
-        assert_true(hash_after(threads[k], NULL, 20000) == hash);
+        assert_true(hash_after(threads[k], NULL, 15000) == hash);
     for (enum cpu_isa isa = CPU_V2; isa < CPU_ISA_COUNT; isa++)
         if (cpu_has(isa))
-            assert_true(hash_after(1, cpu_isa_name(isa), 20000) == hash);
+            assert_true(hash_after(1, cpu_isa_name(isa), 15000) == hash);
     assert_true(hash_after(1, NULL, 77) == hash);
 }
 
@@ -383,15 +383,17 @@ static void an_image_goes_on_to_the_bit(void **state)
     dem_free(other);
 }
 
-/* No memory is asked for in a warm step. */
+/* No memory is asked for in a warm step: a heap that has settled, so that lists grow no more and nothing is wrapped. */
 static void a_warm_step_takes_no_memory(void **state)
 {
     (void)state;
     struct dem *dem = heap(1, NULL, true, 4e-6);
-    advance(dem, DEM_REORDER_STEPS + 3000);
+    const double down[3] = {0, 0, -9.81};
+    dem_set_gravity(dem, down);
+    advance(dem, 2 * DEM_REORDER_STEPS + 1);
     unsigned long before = memory_requests();
-    advance(dem, 2000);
-    assert_true(memory_requests() - before < 20); // lists may still grow; wraps and reordering apart
+    advance(dem, 3000);
+    assert_int_equal(memory_requests(), before);
     dem_free(dem);
 }
 
