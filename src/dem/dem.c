@@ -11,6 +11,7 @@
 #include "base/memory.h"
 #include "base/vec3.h"
 #include "dem/bodies.h"
+#include "dem/mesh.h"
 #include "dem/state.h"
 
 /* Measured: see README.md. */
@@ -161,7 +162,8 @@ enum scree_status dem_start(const struct dem_setup *setup, size_t moving, size_t
     if (!dem->walls)
         status = scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for %zu walls", setup->wall_count);
     else if (!(status = cpu_choose(setup->isa, &dem->isa, err)) && !(status = make_rows(dem, moving, grains, err)) &&
-             !(status = make_parts(dem, setup->threads, err)) && setup->body_count)
+             !(status = make_parts(dem, setup->threads, err)) &&
+             !(status = mesh_create(dem, setup->surfaces, setup->surface_count, err)) && setup->body_count)
         status = bodies_create(dem, setup->body_count, err);
     if (status) {
         dem_free(dem);
@@ -265,6 +267,7 @@ void dem_free(struct dem *dem)
     free(dem->mass);
     free(dem->walls);
     bodies_free(dem->bodies);
+    mesh_free(dem->mesh);
     free(dem->view_position);
     free(dem->view_velocity);
     free(dem->view_spin);

@@ -41,6 +41,16 @@ struct dem_wall {
     int partner;                // kind of partner that it is to grains, below LAW_PARTNERS (law.h)
 };
 
+/* A wall of triangles, touched from both sides. It stands still, or slides at a
+ * constant velocity from an instant on, and is gone after another. */
+struct dem_surface {
+    const struct trimesh *mesh; // copied
+    const uint8_t *partner;     // by triangle, as in struct dem_wall; NULL: 0
+    double velocity[3];         // m/s
+    double from_s, until_s;     // INFINITY: stays
+    bool base;
+};
+
 struct law;
 
 struct dem_setup {
@@ -59,6 +69,8 @@ struct dem_setup {
     size_t body_count;
     const struct dem_wall *walls;
     size_t wall_count;
+    const struct dem_surface *surfaces; // only where nothing is periodic
+    size_t surface_count;
     struct material_spec material; // of grains and walls
     double floor_z;                // a moving grain whose centre is below is through the base: blow-up; -INFINITY: no such limit
     int threads;                   // at least 1

@@ -8,6 +8,7 @@
 
 #include "base/memory.h"
 #include "dem/bodies.h"
+#include "dem/mesh.h"
 #include "dem/state.h"
 
 static enum scree_status contact_arrays(struct dem_image *image, struct scree_error *err)
@@ -37,6 +38,11 @@ void dem_image_free(struct dem_image *image)
     free(image->wall_out);
     free(image->wall_overlap);
     free(image->body);
+    free(image->surface);
+    free(image->vertex);
+    free(image->corner);
+    free(image->partner);
+    free(image->mesh_pair);
     memset(image, 0, sizeof *image);
 }
 
@@ -77,7 +83,7 @@ enum scree_status dem_save(const struct dem *dem, struct dem_image *image, struc
     enum scree_status status = contact_arrays(image, err);
     if (status)
         return status;
-    if (dem->bodies && (status = bodies_save(dem, image, err))) {
+    if ((dem->bodies && (status = bodies_save(dem, image, err))) || (status = mesh_save(dem, image, err))) {
         dem_image_free(image);
         return status;
     }
@@ -200,7 +206,7 @@ enum scree_status dem_load(const struct dem_image *image, const struct law *law,
     put_scalars(dem, s);
     dem_cut(dem);
     dem_plan(dem);
-    if ((status = held_of(&pairs, image->keys, image->contact, s->contacts, err)) ||
+    if ((status = mesh_load(dem, image, err)) || (status = held_of(&pairs, image->keys, image->contact, s->contacts, err)) ||
         (status = held_of(&walls, image->wall_keys, image->wall_contact, s->wall_contacts, err)) ||
         (status = near_give(dem, &pairs, &walls, err)) || (status = dem_first_lists(dem, err)))
         goto out;

@@ -9,8 +9,14 @@
 #include "dem/law.h"
 
 struct dem_scalars {
-    uint64_t moving, grains, contacts, wall_contacts, walls, bodies, step, base_steps, ledger;
+    uint64_t moving, grains, contacts, wall_contacts, walls, bodies, surfaces, vertices, triangles, mesh_contacts, step, base_steps,
+        ledger;
     double step_s, gravity[3], length[3], floor_z, base_sum[3], lost[4], wrapped_work, start_potential;
+};
+
+struct dem_surface_head {
+    uint64_t vertices, triangles, base;
+    double velocity[3], from_s, until_s;
 };
 
 struct dem_image {
@@ -19,6 +25,12 @@ struct dem_image {
     double *mass;
     uint32_t *id;
     struct dem_wall *walls;
+    /* Walls of triangles: one after the other in each array. */
+    struct dem_surface_head *surface;
+    double (*vertex)[3];
+    uint32_t (*corner)[3];
+    uint8_t *partner;
+    struct wall_pair *mesh_pair;
     /* Bodies, if any: [7] rows a body of position, velocity, momentum, orientation,
      * inverse inertia, force, torque, one kind after the other; offsets by row. */
     double (*body)[4], (*offset)[4];

@@ -78,8 +78,9 @@ struct pair_batch {
 
 /* A grain and a wall that are near. */
 struct wall_pair {
-    uint32_t grain, wall;
+    uint32_t grain, wall; // for walls of triangles: the surface
     int touching;
+    int partner;
     double normal[3]; // out of the grain, into the wall
     double overlap;   // at this step, m; meaningful while touching
     double approach;  // rate of overlap, m/s

@@ -247,7 +247,7 @@ static enum scree_status part_refresh(struct dem *dem, struct part *part, uint64
     double seconds = (double)horizon * dem->step_s, margin = part->stray + fastest * dem->step_s;
     size_t kept = dem->kernels->approach(&outer, part->outer_count, seconds, margin, part->kept);
     if ((status = part_room(dem, part, kept, err)) || (status = near_fill(dem, part, kept, err)) ||
-        (status = walls_near(dem, part, seconds, margin, err)))
+        (status = walls_near(dem, part, seconds, margin, err)) || (status = mesh_near(dem, part, seconds, margin, err)))
         return status;
     memcpy(dem->velocity0[part->from], dem->velocity[part->from], (part->to - part->from) * sizeof *dem->velocity0);
     memset(part->strayed2, 0, sizeof part->strayed2);
@@ -291,6 +291,8 @@ void near_refresh(struct dem *dem, int member)
             part->status = plan->status; // member 0 has the message
         if (!part->status)
             part->status = cells_pairs(dem->cells, dem, part, plan->skin, &part->error);
+        if (!dem->parts[0].status && !part->status)
+            part->status = mesh_outer(dem, part, plan->skin, &part->error);
         memcpy(dem->position0[part->from], dem->position[part->from], (part->to - part->from) * sizeof *dem->position0);
     }
     if (!part->status)

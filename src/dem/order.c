@@ -195,7 +195,7 @@ enum scree_status order_rows(struct dem *dem, struct scree_error *err)
     for (size_t k = 0; k < n; k++)
         new_row[places[k].row] = (uint32_t)k;
     move_rows(dem, places, scratch);
-    if ((status = dem->motion->follow(dem, new_row, err)))
+    if ((status = dem->motion->follow(dem, new_row, err)) || (status = mesh_follow(dem, new_row, err)))
         goto out;
     for (size_t k = 0; k < pairs.count; k++)
         renumber(&pairs.items[k], new_row);

@@ -96,6 +96,7 @@ struct near_plan {
 
 struct cells;
 struct bodies;
+struct mesh;
 struct dem;
 
 /* Where contacts put their kicks: rows whose fourth element turns a force, or a
@@ -153,6 +154,7 @@ struct dem {
     struct dem_wall *walls;
     size_t wall_count;
     struct bodies *bodies; // NULL where grains are free
+    struct mesh *mesh;     // NULL where no wall is of triangles
 
     struct team *team;
     struct part *parts;
@@ -221,6 +223,27 @@ enum scree_status walls_near(struct dem *dem, struct part *part, double horizon,
 /* Which of them touch now and with what force; kicks wait for walls_kick. */
 void walls_contacts(struct dem *dem, struct part *part);
 void walls_kick(struct part *part, const struct sink *sink);
+
+void wall_pair_kick(const struct wall_pair *pair, const struct sink *sink);
+
+/* mesh.c: the same for walls of triangles; nothing where there are none. Triangles within the
+ * skin of the part's grains; those that could be touched; contacts; kicks. */
+enum scree_status mesh_outer(struct dem *dem, struct part *part, double skin, struct scree_error *err);
+enum scree_status mesh_near(struct dem *dem, struct part *part, double horizon, double stray, struct scree_error *err);
+void mesh_contacts(struct dem *dem, struct part *part);
+void mesh_kick(struct dem *dem, struct part *part, const struct sink *sink);
+/* Member 0: force on the base, dissipated energy. */
+void mesh_account(struct dem *dem);
+/* Member 0: rows have been permuted, and parts cut anew. */
+enum scree_status mesh_follow(struct dem *dem, const uint32_t *new_row, struct scree_error *err);
+
+static inline void add_loss(double lost[4], const struct contact_loss *loss)
+{
+    lost[0] += loss->normal;
+    lost[1] += loss->tangential;
+    lost[2] += loss->torsion;
+    lost[3] += loss->rolling;
+}
 
 /* step.c: all kicks of the step's contacts on the part's rows, in their fixed order. */
 void kick_rows(struct dem *dem, struct part *part, const struct sink *sink);

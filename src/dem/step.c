@@ -70,6 +70,7 @@ static void contacts(struct dem *dem, struct part *part)
     dem->law->pairs[dem->isa](&dem->coefs[0], &batch);
     list_shared(dem, part);
     walls_contacts(dem, part);
+    mesh_contacts(dem, part);
 }
 
 /* Second grains of earlier parts' contacts that this part owns. */
@@ -97,14 +98,7 @@ void kick_rows(struct dem *dem, struct part *part, const struct sink *sink)
     kick_imports(dem, part, sink);
     dem->kernels->kick(&batch, sink->linear, sink->angular, sink->linear0, part->from, part->to, sink->strayed2);
     walls_kick(part, sink);
-}
-
-static void add_loss(double lost[4], const struct contact_loss *loss)
-{
-    lost[0] += loss->normal;
-    lost[1] += loss->tangential;
-    lost[2] += loss->torsion;
-    lost[3] += loss->rolling;
+    mesh_kick(dem, part, sink);
 }
 
 /* What the springs of ended contacts held is lost; Hertz's gives all back. */
@@ -148,6 +142,7 @@ static void account(struct dem *dem)
         account_ended(dem, &dem->parts[p]);
     for (int p = 0; p < dem->part_count; p++)
         account_walls(dem, &dem->parts[p]);
+    mesh_account(dem);
     dem->base_steps++;
     dem->step++;
 }
