@@ -204,11 +204,13 @@ static void a_bowl_of_pieces_is_smooth(void **state)
         struct view view = look(dem);
         const double *v = view.velocity[0];
         double energy = 0.5 * mass * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) + mass * 9.81 * view.position[0][2];
+        for (size_t c = 0; c < view.contacts; c++)
+            energy += view.contact[c].elastic;
         start = k == 0 ? energy : start;
         last = energy;
         lowest = fmin(lowest, view.position[0][2]);
         assert_true(view.contacts <= 1);
-        assert_true(energy < start * (1 + 1e-6));
+        assert_true(energy < start * (1 + 1e-5));
     }
     assert_true(lowest < R + bowl(0.124)); // it went through the bottom
     assert_true(last > 0.9 * start);       // a few thousand facets did not brake it
