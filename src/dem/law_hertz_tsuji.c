@@ -18,8 +18,10 @@
  * is larger (0.5423 for 0.49). Both can be had; as printed nothing is clamped.
  *
  * Coulomb's cap takes the spring and its damping together, mu_s F_n, and none is
- * left where F_n pulls. After slip the spring holds what the cap leaves over
- * damping. The spring is an overlap in m (its force is S_t times it).
+ * left where F_n pulls. The spring alone is capped too, so that it never holds
+ * more than friction can: were it left with what the cap leaves over damping,
+ * which is strong here, it would push a grain on when sliding slows down. The
+ * spring is an overlap in m (its force is S_t times it).
  *
  * Rolling, eq. 13: the torque mu_r F_n d acts against each body's own spin, d
  * from its centre of mass to the contact point, the middle of the overlap. A
@@ -105,13 +107,13 @@ static void hertz_tsuji_contact(const struct law_coefs *c, const struct meeting 
     struct vec3 slide = vec3_add(vec3_sub(m->velocity, vec3_scale(n, approach)), vec3_cross(lever, n));
     struct vec3 slid = vec3_sub(slid_was, vec3_scale(n, vec3_dot(slid_was, n)));
     slid = vec3_add(slid, vec3_scale(slide, dt));
-    struct vec3 viscous = vec3_scale(slide, drag);
-    struct vec3 ft = vec3_add(vec3_scale(slid, kt), viscous);
-    double ft_size = hertz_size(ft), ft_cap = c->mu_t * press;
-    if (ft_size > ft_cap) {
+    double spring = kt * hertz_size(slid), ft_cap = c->mu_t * press;
+    if (spring > ft_cap)
+        slid = vec3_scale(slid, ft_cap / spring);
+    struct vec3 ft = vec3_add(vec3_scale(slid, kt), vec3_scale(slide, drag));
+    double ft_size = hertz_size(ft);
+    if (ft_size > ft_cap)
         ft = vec3_scale(ft, ft_cap / ft_size);
-        slid = vec3_scale(vec3_sub(ft, viscous), 1.0 / kt);
-    }
 
     /* Rolling, eq. 13. */
     double arm1 = hertz_size(vec3_add(m->arm1, vec3_scale(n, reach1))), arm2 = hertz_size(vec3_sub(m->arm2, vec3_scale(n, reach2)));

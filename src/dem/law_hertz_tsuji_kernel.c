@@ -73,12 +73,11 @@ SIMD_INLINE void group(const struct law_coefs *c, const struct pair_batch *b, co
     struct x3 slide = x3_add(x3_sub(velocity, x3_scale(n, approach)), x3_cross(lever, n));
     struct x3 slid = x3_sub(slid_was, x3_scale(n, x3_dot(slid_was, n)));
     slid = x3_add(slid, x3_scale(slide, dt));
-    struct x3 viscous = x3_scale(slide, drag);
-    struct x3 ft = x3_add(x3_scale(slid, kt), viscous);
-    v4 ft_size = lanes_size(ft), ft_cap = v4_all(c->mu_t) * press;
-    m4 slip = (m4)(ft_size > ft_cap);
-    ft = x3_select(slip, x3_scale(ft, ft_cap / ft_size), ft);
-    slid = x3_select(slip, x3_scale(x3_sub(ft, viscous), one / kt), slid);
+    v4 spring = kt * lanes_size(slid), ft_cap = v4_all(c->mu_t) * press;
+    slid = x3_select((m4)(spring > ft_cap), x3_scale(slid, ft_cap / spring), slid);
+    struct x3 ft = x3_add(x3_scale(slid, kt), x3_scale(slide, drag));
+    v4 ft_size = lanes_size(ft);
+    ft = x3_select((m4)(ft_size > ft_cap), x3_scale(ft, ft_cap / ft_size), ft);
 
     v4 far1 = lanes_size(x3_add(arm1, x3_scale(n, reach1))), far2 = lanes_size(x3_sub(arm2, x3_scale(n, reach2)));
     v4 roll1 = lanes_rolling(v4_all(c->mu_r) * press * far1, lanes_size(spin1), turn1);
