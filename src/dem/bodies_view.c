@@ -70,7 +70,7 @@ uint64_t bodies_hash(const struct dem *dem, uint64_t sum)
 
 /* ---- images ---- */
 
-enum { KINDS = 7 };
+enum { KINDS = DEM_BODY_ROWS };
 
 static void rows_of(const struct bodies *b, double (*rows[KINDS])[4])
 {

@@ -19,6 +19,8 @@ struct dem_surface_head {
     double velocity[3], from_s, until_s;
 };
 
+enum { DEM_BODY_ROWS = 7 };
+
 struct dem_image {
     struct dem_scalars scalars;
     double (*position)[4], (*velocity)[4], (*spin)[4]; // rows as they lie in memory
@@ -31,7 +33,7 @@ struct dem_image {
     uint32_t (*corner)[3];
     uint8_t *partner;
     struct wall_pair *mesh_pair;
-    /* Bodies, if any: [7] rows a body of position, velocity, momentum, orientation,
+    /* Bodies, if any: DEM_BODY_ROWS rows a body, of position, velocity, momentum, orientation,
      * inverse inertia, force, torque, one kind after the other; offsets by row. */
     double (*body)[4], (*offset)[4];
     uint32_t *body_first, *body_id, *body_shape; // first has one more entry

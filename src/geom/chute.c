@@ -29,7 +29,7 @@ double chute_slope(const struct chute *c, double x)
 /* Simpson's rule; the integrand sqrt(1 + z'^2) is smooth. */
 double chute_arc(const struct chute *c, double x)
 {
-    enum { PANELS = 2000 };
+    enum { PANELS = 200 };
     double sum = 0, h = x / PANELS;
     if (x < 0)
         return x * sqrt(1 + fall(c, 0) * fall(c, 0));

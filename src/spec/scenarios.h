@@ -5,10 +5,13 @@
 
 #include "spec/spec.h"
 
-extern const struct scenario_fields scenario_incline_fields, scenario_collision_fields;
+extern const struct scenario_fields scenario_incline_fields, scenario_collision_fields, scenario_chute_fields;
 
 /* Refuses a time step too long for the material at impacts of `speed`, m/s. */
 enum scree_status check_step(const struct job_spec *job, double speed, struct scree_error *err);
+
+/* Refuses record.flow. */
+enum scree_status check_flow_only_in_chute(const struct job_spec *job, struct scree_error *err);
 
 /* Refuses record intervals shorter than a step. */
 enum scree_status check_intervals(const struct job_spec *job, struct scree_error *err);

@@ -28,11 +28,23 @@ struct material_spec {
 };
 extern const struct field_table material_table;
 
+/* A kind of material: the struct that a law takes, by its table. Each struct
+ * begins with `char preset[48]` and fits the union in struct job_spec. */
+struct material_kind {
+    const char *law; // its name
+    const struct field_table *table;
+};
+extern const struct material_kind material_beads, material_fragments;
+
 /* A published material: its values and what a reader must know about them. */
 struct material_preset {
     const char *name, *doc, *source, *note; // note: errata worth a warning, "" if none
-    struct material_spec values;
+    const struct material_kind *kind;       // NULL: material_beads
+    struct material_spec values;            // of beads
+    const void *others;                     // of another kind: its struct
 };
+const struct material_kind *material_preset_kind(const struct material_preset *preset);
+const void *material_preset_values(const struct material_preset *preset); // the kind's struct
 extern const struct material_preset material_presets[];
 extern const size_t material_preset_count;
 const struct material_preset *material_preset_find(const char *name);
@@ -103,6 +115,7 @@ struct record_spec {
     struct record_every bulk;         // kinetic and elastic energy, centre of mass, speeds: what verdicts rest on
     struct record_every energy;       // ledger: gravity's work, kinetic, elastic, dissipated
     struct record_every snapshots;    // every grain's state
+    struct record_every flow;         // scenario chute: where the flow is, its agitation and losses
     struct record_every contact;      // scenario collision: overlap and forces of the one contact
 };
 
@@ -122,7 +135,10 @@ struct job_spec {
     int64_t threads;
     int64_t priority;
     _Alignas(16) unsigned char params[SPEC_PARAMS_MAX]; // the scenario's own struct
-    struct material_spec material;
+    union {                                             // by the scenario's kind of material
+        struct material_spec material;                  // beads
+        struct fragment_spec fragments;                 // fragments
+    };
     struct time_spec time;
     struct stop_spec stop;
     struct record_spec record;
@@ -138,7 +154,7 @@ enum scenario_kind { SCENARIO_DEM, SCENARIO_MPM };
 struct scenario_fields {
     const char *name, *doc, *source;
     enum scenario_kind kind;
-    const char *material;             // default preset
+    const char *material;             // default preset; its kind is the scenario's
     const struct field_table *params; // its struct fits SPEC_PARAMS_MAX
     /* Overwrites those of the job's defaults that differ for this scenario. */
     void (*defaults)(struct job_spec *job);
@@ -156,6 +172,8 @@ struct job_cost {
 extern const struct scenario_fields *const scenario_list[];
 extern const size_t scenario_count;
 const struct scenario_fields *scenario_find(const char *name);
+/* The kind of material that a scenario takes, and a job's table of it. */
+const struct material_kind *scenario_material(const struct scenario_fields *scenario);
 
 /* ---- params of each scenario ---- */
 
@@ -175,6 +193,19 @@ struct collision_params { // one contact: grain 1 meets a sphere or a plane alon
     double tangential_m_s[3];    // of grain 1, relative, in the plane of contact (its z must be 0)
     double spin1_rad_s[3], spin2_rad_s[3];
     double gravity_m_s2[3];
+};
+
+enum chute_accelerator { ACCELERATOR_CHUTE, ACCELERATOR_GATE };
+struct chute_params { // seed 003: angular fragments down a curved chute
+    double mass_g, size_m;
+    double cubes, halves;       // shares of the mass; the rest are quarters
+    int64_t spheres;            // along a cube's edge: 2 or 4
+    double space_mass_g;        // that the space behind the gate is made for; 0: mass_g
+    double space_density_kg_m3; // of such a filling
+    int accelerator;            // whose matter it has
+    double gate_m_s;            // speed at which the gate slides off; 0: it vanishes at the start
+    double gravity_m_s2;
+    double floor_m, width_m, side_deg, guard_m, run_m, gate_m, flatness; // geometry; flatness in sizes
 };
 
 /* Fills a job with the defaults of a scenario and its preset material. */
