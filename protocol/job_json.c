@@ -436,7 +436,7 @@ cJSON *material_describe(const struct material_preset *preset)
     json_put_text(json, "source", preset->source);
     json_put_text(json, "note", preset->note);
     json_put_text(json, "law", material_preset_kind(preset)->law);
-    json_put(json, "values", table_encode(material_preset_kind(preset)->table, material_preset_values(preset)));
+    json_put(json, "values", encode_table(material_preset_kind(preset)->table, material_preset_values(preset)));
     if (material_preset_kind(preset) != &material_beads)
         return json;
     json_put_real(json, "shear_modulus_Pa", material_shear_modulus(&preset->values));

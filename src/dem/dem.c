@@ -183,8 +183,12 @@ void dem_plan(struct dem *dem)
     for (size_t i = 0; i < dem->grains; i++)
         dem->largest_radius = fmax(dem->largest_radius, dem->position[i][3]);
     double diameter = 2 * dem->largest_radius;
-    dem->plan =
-        (struct near_plan){.skin = SKIN_SHARE * diameter, .stray = STRAY_SHARE * diameter, .target = HORIZON_STEPS, .stale = true};
+    dem->plan = (struct near_plan){.skin = SKIN_SHARE * diameter,
+                                   .least = SKIN_SHARE * diameter,
+                                   .since = dem->step,
+                                   .stray = STRAY_SHARE * diameter,
+                                   .target = HORIZON_STEPS,
+                                   .stale = true};
 }
 
 enum scree_status dem_create(const struct dem_setup *setup, struct dem **out, struct scree_error *err)

@@ -26,6 +26,9 @@
 
 /* The share of the skin that a straight path may use up to the horizon. */
 #define PATH_SHARE 0.25
+/* Steps between rebuilds below which the skin grows, above which it shrinks; how far it grows. */
+enum { SKIN_SHORT = 150, SKIN_LONG = 600 };
+#define SKIN_MOST 8.0
 
 bool near_complete(struct dem *dem, struct part *part)
 {
@@ -147,6 +150,19 @@ static void stray_adapt(const struct dem *dem, struct part *part)
         part->stray = fmin(part->stray * 1.25, 0.05 * plan->skin);
     else if (part->strayed < 0.5 * part->stray)
         part->stray = fmax(part->stray * 0.8, 1e-6 * plan->skin);
+}
+
+/* Grains that fly far in a step (soft ones, small ones that fall a long way) use a
+ * thin skin up within a few steps: it grows while rebuilds come fast, and goes
+ * back when they are rare. Member 0, between barriers. */
+static void skin_adapt(const struct dem *dem, struct near_plan *plan)
+{
+    uint64_t lasted = dem->step - plan->since;
+    if (!plan->stale && lasted < SKIN_SHORT)
+        plan->skin = fmin(plan->skin * 1.25, SKIN_MOST * plan->least);
+    else if (lasted > SKIN_LONG)
+        plan->skin = fmax(plan->skin * 0.9, plan->least);
+    plan->since = dem->step;
 }
 
 /* Straight paths are followed for as long as the outer list can vouch for. */
@@ -282,6 +298,7 @@ void near_refresh(struct dem *dem, int member)
     if (plan->stale || use > 0.5 * plan->skin) {
         team_barrier(dem->team); // everybody has read plan->stale
         if (member == 0) {
+            skin_adapt(dem, plan);
             plan->status = cells_fill(dem->cells, dem, 2 * dem->largest_radius + plan->skin, &part->error);
             plan->stale = false;
             plan->rebuilds++;

@@ -86,6 +86,8 @@ struct part {
 /* How the pair lists are kept; none of it can change a result. */
 struct near_plan {
     double skin;              // outer lists hold pairs with a gap below this, m
+    double least;             // that it starts from, m
+    uint64_t since;           // step of the last rebuild
     double stray;             // a grain may leave its straight path by this until the refresh, m
     uint64_t target;          // steps between refreshes to aim at
     bool stale;               // outer lists are to be rebuilt: positions were wrapped or rows reordered
