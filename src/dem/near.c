@@ -308,7 +308,7 @@ void near_refresh(struct dem *dem, int member)
             part->status = plan->status; // member 0 has the message
         if (!part->status)
             part->status = cells_pairs(dem->cells, dem, part, plan->skin, &part->error);
-        if (!dem->parts[0].status && !part->status)
+        if (!part->status)
             part->status = mesh_outer(dem, part, plan->skin, &part->error);
         memcpy(dem->position0[part->from], dem->position[part->from], (part->to - part->from) * sizeof *dem->position0);
     }
