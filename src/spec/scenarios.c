@@ -7,7 +7,8 @@
 
 #include "base/text.h"
 
-const struct scenario_fields *const scenario_list[] = {&scenario_incline_fields, &scenario_collision_fields};
+const struct scenario_fields *const scenario_list[] = {&scenario_incline_fields, &scenario_collision_fields,
+                                                       &scenario_chute_fields};
 const size_t scenario_count = sizeof scenario_list / sizeof *scenario_list;
 
 const struct scenario_fields *scenario_find(const char *name)
@@ -50,6 +51,13 @@ static enum scree_status check_interval(double every_s, double step_s, const cha
                       text_real(step_s, step));
 }
 
+enum scree_status check_flow_only_in_chute(const struct job_spec *job, struct scree_error *err)
+{
+    if (!job->record.flow.on)
+        return SCREE_OK;
+    return scree_fail(err, SCREE_INVALID, "record.flow", "record.flow: is for scenario chute, where a flow has a front and an end");
+}
+
 enum scree_status check_intervals(const struct job_spec *job, struct scree_error *err)
 {
     const struct record_spec *r = &job->record;
@@ -60,6 +68,7 @@ enum scree_status check_intervals(const struct job_spec *job, struct scree_error
     } all[] = {{r->basal_force.on, r->basal_force.every_s, "record.basal_force.every_s"},
                {r->bulk.on, r->bulk.every_s, "record.bulk.every_s"},
                {r->energy.on, r->energy.every_s, "record.energy.every_s"},
+               {r->flow.on, r->flow.every_s, "record.flow.every_s"},
                {r->snapshots.on, r->snapshots.every_s, "record.snapshots.every_s"}};
     for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
         enum scree_status status = all[k].on ? check_interval(all[k].every_s, job->time.step_s, all[k].path, err) : SCREE_OK;

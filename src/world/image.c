@@ -78,7 +78,8 @@ static enum scree_status take_dem(const struct scree_world *w, struct world_imag
         return status;
     const struct dem_scalars *s = &d.scalars;
     /* The contact arrays are handed over. */
-    void *const arrays[] = {d.keys, d.contact, d.out, d.wall_keys, d.wall_contact, d.wall_out, d.wall_overlap};
+    void *const arrays[] = {d.keys,    d.contact, d.out,    d.wall_keys, d.wall_contact, d.wall_out, d.wall_overlap,
+                            d.surface, d.vertex,  d.corner, d.partner,   d.mesh_pair,    d.body};
     for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
         image->owned[image->owned_count++] = arrays[k];
     add(image, "position", ARRAY_REAL, 4 * s->grains, d.position);
@@ -94,6 +95,18 @@ static enum scree_status take_dem(const struct scree_world *w, struct world_imag
     add(image, "wall.memory", ARRAY_REAL, s->wall_contacts * CONTACT_SLOTS, d.wall_contact);
     add(image, "wall.force", ARRAY_REAL, s->wall_contacts * sizeof *d.wall_out / sizeof(double), d.wall_out);
     add(image, "wall.overlap", ARRAY_REAL, s->wall_contacts, d.wall_overlap);
+    add(image, "surfaces", ARRAY_BYTES, s->surfaces * sizeof *d.surface, d.surface);
+    add(image, "surface.vertex", ARRAY_REAL, 3 * s->vertices, d.vertex);
+    add(image, "surface.corner", ARRAY_U32, 3 * s->triangles, d.corner);
+    add(image, "surface.partner", ARRAY_BYTES, s->triangles, d.partner);
+    add(image, "surface.contact", ARRAY_BYTES, s->mesh_contacts * sizeof *d.mesh_pair, d.mesh_pair);
+    if (s->bodies) {
+        add(image, "body", ARRAY_REAL, 4 * DEM_BODY_ROWS * s->bodies, d.body);
+        add(image, "body.offset", ARRAY_REAL, 4 * s->moving, d.offset);
+        add(image, "body.first", ARRAY_U32, s->bodies + 1, d.body_first);
+        add(image, "body.id", ARRAY_U32, s->bodies, d.body_id);
+        add(image, "body.shape", ARRAY_U32, s->bodies, d.body_shape);
+    }
     return add_copy(image, "grains", s, sizeof *s, err);
 }
 
@@ -115,7 +128,8 @@ enum scree_status world_image_take(const struct scree_world *w, struct world_ima
         (status = add_series(image, "series.force", &w->force_series, err)) ||
         (status = add_series(image, "series.bulk", &w->bulk_series, err)) ||
         (status = add_series(image, "series.energy", &w->energy_series, err)) ||
-        (status = add_series(image, "series.contact", &w->contact_series, err)))
+        (status = add_series(image, "series.contact", &w->contact_series, err)) ||
+        (status = add_series(image, "series.flow", &w->flow_series, err)))
         world_image_free(image);
     return status;
 }
@@ -158,7 +172,9 @@ static enum scree_status restore_dem(struct scree_world *w, const struct world_i
         return damaged("grains", err);
     memcpy(&d.scalars, scalars, sizeof d.scalars);
     const struct dem_scalars *s = &d.scalars;
-    if (s->grains > SPEC_GRAINS_MAX || s->contacts > 64 * s->grains || s->wall_contacts > 64 * s->grains || s->walls > 1000)
+    if (s->grains > SPEC_GRAINS_MAX || s->contacts > 64 * s->grains || s->wall_contacts > 64 * s->grains || s->walls > 1000 ||
+        s->bodies > s->moving || s->surfaces > 1000 || s->vertices > TRIMESH_VERTICES_MAX || s->triangles > TRIMESH_TRIANGLES_MAX ||
+        s->mesh_contacts > 64 * s->grains)
         return damaged("grains", err);
     d.position = need(image, "position", ARRAY_REAL, 4 * s->grains);
     d.velocity = need(image, "velocity", ARRAY_REAL, 4 * s->grains);
@@ -176,7 +192,23 @@ static enum scree_status restore_dem(struct scree_world *w, const struct world_i
     if (!d.position || !d.velocity || !d.spin || !d.mass || !d.id || !d.walls || !d.keys || !d.contact || !d.out || !d.wall_keys ||
         !d.wall_contact || !d.wall_out || !d.wall_overlap)
         return damaged("an array of grains or contacts", err);
-    return dem_load(&d, &w->job.material, options ? options->isa : NULL, w->threads, &w->dem, err);
+    d.surface = need(image, "surfaces", ARRAY_BYTES, s->surfaces * sizeof *d.surface);
+    d.vertex = need(image, "surface.vertex", ARRAY_REAL, 3 * s->vertices);
+    d.corner = need(image, "surface.corner", ARRAY_U32, 3 * s->triangles);
+    d.partner = need(image, "surface.partner", ARRAY_BYTES, s->triangles);
+    d.mesh_pair = need(image, "surface.contact", ARRAY_BYTES, s->mesh_contacts * sizeof *d.mesh_pair);
+    if (!d.surface || !d.vertex || !d.corner || !d.partner || !d.mesh_pair)
+        return damaged("an array of the walls", err);
+    if (s->bodies) {
+        d.body = need(image, "body", ARRAY_REAL, 4 * DEM_BODY_ROWS * s->bodies);
+        d.offset = need(image, "body.offset", ARRAY_REAL, 4 * s->moving);
+        d.body_first = need(image, "body.first", ARRAY_U32, s->bodies + 1);
+        d.body_id = need(image, "body.id", ARRAY_U32, s->bodies);
+        d.body_shape = need(image, "body.shape", ARRAY_U32, s->bodies);
+        if (!d.body || !d.offset || !d.body_first || !d.body_id || !d.body_shape)
+            return damaged("an array of the bodies", err);
+    }
+    return dem_load(&d, w->scenario->law, &w->job.material, options ? options->isa : NULL, w->threads, &w->dem, err);
 }
 
 static enum scree_status restore_series(const struct world_image *image, const char *name, struct series *series,
@@ -245,7 +277,8 @@ enum scree_status world_image_restore(const struct world_image *image, const str
         (status = restore_series(image, "series.force", &w->force_series, err)) ||
         (status = restore_series(image, "series.bulk", &w->bulk_series, err)) ||
         (status = restore_series(image, "series.energy", &w->energy_series, err)) ||
-        (status = restore_series(image, "series.contact", &w->contact_series, err))) {
+        (status = restore_series(image, "series.contact", &w->contact_series, err)) ||
+        (status = restore_series(image, "series.flow", &w->flow_series, err))) {
         scree_world_free(w);
         return status;
     }

@@ -46,6 +46,8 @@ static size_t flow_summary(const struct scree_world *w, struct scree_number *out
 size_t scree_world_summary(const struct scree_world *w, struct scree_number numbers[SCREE_SUMMARY_MAX])
 {
     size_t count = 0;
+    if (w->release)
+        return dem_step(w->dem) > 0 ? flow_numbers(w, numbers) : 0;
     if (w->area > 0 && dem_step(w->dem) > 0)
         count = flow_summary(w, numbers);
     if (w->contact.on)

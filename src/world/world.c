@@ -55,6 +55,7 @@ static enum scree_status start_records(struct scree_world *w, struct scree_error
     w->energy = schedule_of(r->energy.on, r->energy.every_s, step);
     w->snapshots = schedule_of(r->snapshots.on, r->snapshots.every_s, step);
     w->contact = schedule_of(r->contact.on, step, step);
+    w->flow = schedule_of(r->flow.on, r->flow.every_s, step);
     enum scree_status status;
     if ((status = start_series(w, &w->force_series, &w->force, &force_stream, (size_t)r->basal_force.chunk, err)) ||
         (status = start_series(w, &w->bulk_series, &w->bulk, &bulk_stream, BULK_CHUNK, err)) ||
@@ -64,7 +65,7 @@ static enum scree_status start_records(struct scree_world *w, struct scree_error
     if (w->snapshots.on)
         w->streams[w->stream_count++] = &snapshots_stream;
     w->streams[w->stream_count++] = &grains_stream;
-    return SCREE_OK;
+    return flow_start(w, err);
 }
 
 /* The state at t = 0: energies, and the first frame. */
@@ -123,7 +124,8 @@ enum scree_status scree_world_create(const struct job_spec *job, const struct sc
         scree_world_free(w);
         return status;
     }
-    double d = 2 * job->material.radius_m, layers = w->area > 0 ? (double)dem_moving(w->dem) * d * d / w->area : 0;
+    double d = w->scenario->grain ? w->scenario->grain(job) : 2 * job->material.radius_m,
+           layers = w->area > 0 ? (double)dem_moving(w->dem) * d * d / w->area : 0;
     verdict_start(&w->verdict, d, g > 0 ? g : 1, layers);
     *out = w;
     return SCREE_OK;
@@ -138,6 +140,7 @@ void scree_world_free(struct scree_world *w)
     series_end(&w->bulk_series);
     series_end(&w->energy_series);
     series_end(&w->contact_series);
+    flow_end(w);
     free(w);
 }
 
@@ -168,6 +171,7 @@ static uint64_t next_stop(const struct scree_world *w)
     soonest(w, w->bulk.on || w->area > 0, w->bulk.every, &next);
     soonest(w, w->energy.on, w->energy.every, &next);
     soonest(w, w->snapshots.on, w->snapshots.every, &next);
+    soonest(w, w->flow.on, w->flow.every, &next);
     soonest(w, w->contact.on, w->contact.every, &next);
     return next;
 }
@@ -240,7 +244,7 @@ static enum scree_status take_samples(struct scree_world *w, struct scree_error 
     enum scree_status status = SCREE_OK;
     if (due(w, &w->force) && (status = take_force(w, dem_time(w->dem), err)))
         return status;
-    if (!bulk_due(w) && !due(w, &w->energy) && !due(w, &w->snapshots) && !due(w, &w->contact))
+    if (!bulk_due(w) && !due(w, &w->energy) && !due(w, &w->snapshots) && !due(w, &w->contact) && !due(w, &w->flow))
         return SCREE_OK;
     struct view view;
     if ((status = dem_view(w->dem, &view, err)))
@@ -255,6 +259,8 @@ static enum scree_status take_samples(struct scree_world *w, struct scree_error 
             return status;
     }
     if (due(w, &w->contact) && (status = take_contact(w, &view, err)))
+        return status;
+    if (due(w, &w->flow) && (status = flow_take(w, &view, err)))
         return status;
     return due(w, &w->snapshots) ? frame_put(&view, &snapshots_stream, w->snapshot_seq++, &w->sink, err) : SCREE_OK;
 }
@@ -290,7 +296,7 @@ enum scree_status scree_world_close(struct scree_world *w, struct scree_error *e
         if (all[k]->values)
             status = series_flush(all[k], &w->sink, err);
     struct view view;
-    if (status || (status = dem_view(w->dem, &view, err)))
+    if (status || (status = dem_view(w->dem, &view, err)) || (status = flow_close(w, &view, err)))
         return status;
     return frame_put(&view, &grains_stream, 0, &w->sink, err);
 }
