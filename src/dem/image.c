@@ -143,9 +143,8 @@ static bool are_finite(const double *values, size_t count)
 static bool state_is_sound(const struct dem_image *image)
 {
     const struct dem_scalars *s = &image->scalars;
-    const double bounds[] = {s->step_s,     s->floor_z,   s->gravity[0], s->gravity[1],
-                             s->gravity[2], s->length[0], s->length[1],  s->length[2]};
-    if (!are_finite(bounds, sizeof bounds / sizeof *bounds) || s->step_s <= 0)
+    const double bounds[] = {s->step_s, s->gravity[0], s->gravity[1], s->gravity[2], s->length[0], s->length[1], s->length[2]};
+    if (!are_finite(bounds, sizeof bounds / sizeof *bounds) || s->step_s <= 0 || isnan(s->floor_z)) // -INFINITY: no floor
         return false;
     for (size_t w = 0; w < s->walls; w++) {
         unsigned char flag;
