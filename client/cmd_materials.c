@@ -34,7 +34,9 @@ static void print_one(const struct material_preset *preset)
         describe_paragraph(preset->note, 2, 100);
     }
     printf("\nfields (a job's \"material\" takes the preset and overrides single values)\n");
-    describe_fields(&material_table, &preset->values, "");
+    describe_fields(material_preset_kind(preset)->table, material_preset_values(preset), "");
+    if (material_preset_kind(preset) != &material_beads)
+        return;
     printf("\nwhat follows\n"
            "  shear modulus                     %.4g Pa\n"
            "  torsional friction                %.4g\n"

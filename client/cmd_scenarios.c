@@ -39,7 +39,7 @@ static void print_one(const struct scenario_fields *scenario)
     printf("\njob\n");
     describe_fields(&job_table, &job, "");
     printf("\nmaterial (preset \"%s\"; `scree materials` shows others)\n", scenario->material);
-    describe_fields(&material_table, &job.material, "material");
+    describe_fields(scenario_material(scenario)->table, &job.material, "material");
     printf("\nFields marked * are steerable. Every field has a default; the smallest job is {\"scenario\": \"%s\"}.\n",
            scenario->name);
 }

@@ -217,6 +217,7 @@ static enum scree_status decode_scenario(const cJSON *json, struct job_spec *out
 
 static enum scree_status decode_material(const cJSON *material, struct job_spec *out, struct scree_error *err)
 {
+    const struct material_kind *kind = scenario_material(out->scenario);
     if (!cJSON_IsObject(material)) {
         wrong_type("material", "an object", material, err);
         scree_hint(err, "a published material is {\"preset\": NAME}; `scree materials` lists them");
@@ -227,16 +228,18 @@ static enum scree_status decode_material(const cJSON *material, struct job_spec 
         if (!cJSON_IsString(preset))
             return wrong_type("material.preset", "a string", preset, err);
         const struct material_preset *found = material_preset_find(preset->valuestring);
-        if (!found) {
+        if (!found || material_preset_kind(found) != kind) {
             char list[256] = "";
             for (size_t k = 0; k < material_preset_count; k++)
-                snprintf(list + strlen(list), sizeof list - strlen(list), "%s\"%s\"", k ? ", " : "", material_presets[k].name);
+                if (material_preset_kind(&material_presets[k]) == kind)
+                    snprintf(list + strlen(list), sizeof list - strlen(list), "%s\"%s\"", *list ? ", " : "",
+                             material_presets[k].name);
             return scree_fail(err, SCREE_INVALID, "material.preset", "material.preset: \"%.80s\" is none of %s",
                               preset->valuestring, list);
         }
-        out->material = found->values;
+        memcpy(&out->material, material_preset_values(found), kind->table->size);
     }
-    return table_decode(&material_table, material, "material", &out->material, material_others, err);
+    return table_decode(kind->table, material, "material", &out->material, material_others, err);
 }
 
 enum scree_status job_decode(const cJSON *json, struct job_spec *out, struct scree_error *err)
@@ -252,7 +255,7 @@ enum scree_status job_decode(const cJSON *json, struct job_spec *out, struct scr
     if ((status = field_check(&job_table, out, "", err)) ||
         (status = field_check(out->scenario->params, out->params, "params", err)))
         return status;
-    return field_check(&material_table, &out->material, "material", err);
+    return field_check(scenario_material(out->scenario)->table, &out->material, "material", err);
 }
 
 /* ---- encoding ---- */
@@ -317,7 +320,7 @@ cJSON *job_encode(const struct job_spec *job)
     cJSON *material = cJSON_CreateObject();
     if (material) {
         json_put_text(material, "preset", job->material.preset);
-        table_encode_into(material, &material_table, &job->material);
+        table_encode_into(material, scenario_material(job->scenario)->table, &job->material);
         json_put(json, "material", material);
     }
     return json;
@@ -432,7 +435,10 @@ cJSON *material_describe(const struct material_preset *preset)
     json_put_text(json, "doc", preset->doc);
     json_put_text(json, "source", preset->source);
     json_put_text(json, "note", preset->note);
-    json_put(json, "values", encode_table(&material_table, &preset->values));
+    json_put_text(json, "law", material_preset_kind(preset)->law);
+    json_put(json, "values", encode_table(material_preset_kind(preset)->table, material_preset_values(preset)));
+    if (material_preset_kind(preset) != &material_beads)
+        return json;
     json_put_real(json, "shear_modulus_Pa", material_shear_modulus(&preset->values));
     json_put_real(json, "torsion_friction", material_torsion_friction(&preset->values));
     json_put_real(json, "contact_time_at_0.14_m_s_s", material_contact_time(&preset->values, 0.14));

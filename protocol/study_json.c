@@ -37,7 +37,7 @@ static void guess_group(const struct job_spec *job, const char *dotted, struct s
     const char *near = word_nearest(job_others, first), *group = NULL;
     if (field_find(job->scenario->params, dotted))
         group = "params";
-    else if (field_find(&material_table, dotted))
+    else if (field_find(scenario_material(job->scenario)->table, dotted))
         group = "material";
     if (group)
         scree_fail(err, SCREE_INVALID, dotted, "%s: unknown key; did you mean \"%s.%s\"?", dotted, group, dotted);
@@ -59,7 +59,7 @@ static enum scree_status find_value(struct job_spec *job, const char *dotted, co
     if (strncmp(dotted, "params.", 7) == 0) {
         status = field_resolve(job->scenario->params, job->params, rest = dotted + 7, row, address, &inner);
     } else if (strncmp(dotted, "material.", 9) == 0) {
-        status = field_resolve(&material_table, &job->material, rest = dotted + 9, row, address, &inner);
+        status = field_resolve(scenario_material(job->scenario)->table, &job->material, rest = dotted + 9, row, address, &inner);
     } else {
         status = field_resolve(&job_table, job, dotted, row, address, &inner);
         if (status)

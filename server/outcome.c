@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a run has come to, as JSON in the journal: see outcome.h. */
+/* What a run has come to, as JSON in the journal, and the words of states: see outcome.h. */
 #include "outcome.h"
 
 #include <inttypes.h>
@@ -8,6 +8,21 @@
 #include <string.h>
 
 #include "protocol/frame.h"
+
+static const char *const words[JOB_STATES] = {"queued", "running", "paused", "done", "failed", "cancelled", "held"};
+
+const char *job_state_word(enum job_state state)
+{
+    return words[state];
+}
+
+enum job_state job_state_of(const char *word)
+{
+    enum job_state state = 0;
+    while (state < JOB_STATES && strcmp(words[state], word) != 0)
+        state++;
+    return state;
+}
 
 char *outcome_hash(const struct run_report *r, char out[OUTCOME_HASH_MAX])
 {

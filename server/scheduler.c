@@ -55,21 +55,6 @@
 
 enum { QUEUE_MAX = 10000 };
 
-static const char *const words[JOB_STATES] = {"queued", "running", "paused", "done", "failed", "cancelled", "held"};
-
-const char *job_state_word(enum job_state state)
-{
-    return words[state];
-}
-
-enum job_state job_state_of(const char *word)
-{
-    enum job_state state = 0;
-    while (state < JOB_STATES && strcmp(words[state], word) != 0)
-        state++;
-    return state;
-}
-
 double scheduler_unix_now(void)
 {
     struct timespec now;

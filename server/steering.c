@@ -502,12 +502,14 @@ enum scree_status scheduler_cancel_as(struct scheduler *s, const char *request, 
 static enum scree_status steer_set(struct scheduler *s, const char *request, struct job *job, const char *detail, uint64_t ticket,
                                    struct scree_error *err)
 {
-    struct job_spec from, to;
+    struct job_spec from, to, now;
     enum scree_status status;
     if ((status = steering_compose(s, job, INT64_MAX, true, &from, err)) || (status = changed_spec(&from, detail, &to, err)) ||
-        (status = job_check(&to, 0, err)) || (status = job_steer_check(&from, &to, err)))
+        (status = job_check(&to, 0, err)) || (status = job_steer_check(&from, &to, err)) ||
+        (status = changed_spec(&job->spec, detail, &now, err)))
         return status;
-    if (job_same(&from, &to))
+    /* A priority is no business of the world. What is no change to commands that wait may still be one to the world as it is. */
+    if (job_same(&from, &to) && job_same(&job->spec, &now))
         return at_once(s, request, job, COMMAND_SET, detail, JOB_STATES, ticket, err);
     return in_time(s, request, job, COMMAND_SET, detail, &to, ticket, err);
 }

@@ -21,6 +21,16 @@ struct view_contact {
 };
 #define VIEW_WALL 0x80000000u
 
+/* A rigid body. Its members are rows [first, first + members), which are spheres
+ * that move with it; a member's mass is a share of its body's. */
+struct view_body {
+    uint32_t id, shape, first, members;
+    double mass, volume;                      // kg, m3
+    double position[3], velocity[3], spin[3]; // of the centre of mass, m, m/s; in space, rad/s
+    double momentum[3];                       // angular, about the centre of mass, N m s
+    double orientation[4];                    // unit quaternion w, x, y, z: own principal axes into space
+};
+
 /* A contact at the first step with overlap, before it exerted any force. */
 struct view_formation {
     double time_s;
@@ -42,7 +52,9 @@ struct view {
     const uint32_t *id;
     const double (*position)[4]; // x, y, z (inside the periodic box), radius, m
     const double (*velocity)[4]; // at this step's time, m/s; [3] mass, kg
-    const double (*spin)[4];     // rad/s; [3] moment of inertia, kg m2
+    const double (*spin)[4];     // rad/s; [3] moment of inertia, kg m2; 0 for members of bodies
+    size_t bodies;               // 0 where grains are free
+    const struct view_body *body;
     size_t contacts;
     const struct view_contact *contact;
     double base_force[3]; // of the flow on fixed grains and floor at this step, N

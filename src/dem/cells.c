@@ -125,7 +125,7 @@ enum scree_status cells_fill(struct cells *cells, const struct dem *dem, double 
 struct search {
     const struct cells *cells;
     const struct dem *dem;
-    uint32_t row;
+    uint32_t row, next; // rows of its own unit end before `next`
     double point[3], radius, skin;
     int image[3];
     uint32_t *found;
@@ -133,7 +133,7 @@ struct search {
     bool torn; // an image number out of range
 };
 
-/* Adds the grains of cells [from, to) whose rows are above the searcher's. */
+/* Adds the grains of cells [from, to) whose rows are above those of the searcher's unit. */
 static enum scree_status search_cells(struct search *s, uint32_t from, uint32_t to, const int wrap[3], struct scree_error *err)
 {
     const struct cells *cells = s->cells;
@@ -144,7 +144,7 @@ static enum scree_status search_cells(struct search *s, uint32_t from, uint32_t 
     for (uint32_t k = cells->start[from]; k < cells->start[to]; k++) {
         const double *q = cells->point[k];
         double x = q[0] - at[0], y = q[1] - at[1], z = q[2] - at[2], r = reach + q[3];
-        if (x * x + y * y + z * z >= r * r || cells->row[k] <= s->row)
+        if (x * x + y * y + z * z >= r * r || cells->row[k] < s->next)
             continue;
         int code = 0;
         for (int a = 2; a >= 0; a--) {
@@ -226,6 +226,7 @@ enum scree_status cells_pairs(const struct cells *cells, const struct dem *dem, 
     for (size_t i = part->from; i < part->to && !status; i++) {
         size_t before = s.count;
         s.row = (uint32_t)i;
+        s.next = (uint32_t)dem->motion->next(dem, i);
         s.radius = dem->position[i][3];
         for (int a = 0; a < 3; a++) {
             double x = dem->position[i][a], box = dem->length[a], boxes = box > 0 ? floor(x / box) : 0;

@@ -2,6 +2,7 @@
 /* A world of grains: made, looked at, freed. What happens in between is in step.c. */
 #include "dem/dem.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,6 +10,8 @@
 #include "base/cpu.h"
 #include "base/memory.h"
 #include "base/vec3.h"
+#include "dem/bodies.h"
+#include "dem/mesh.h"
 #include "dem/state.h"
 
 /* Measured: see README.md. */
@@ -64,11 +67,12 @@ static enum scree_status make_rows(struct dem *dem, size_t moving, size_t grains
     dem->position = memory_rows(grains, sizeof *dem->position);
     dem->velocity = memory_rows(grains, sizeof *dem->velocity);
     dem->spin = memory_rows(grains, sizeof *dem->spin);
+    dem->arm = memory_rows(grains, sizeof *dem->arm);
     dem->position0 = memory_rows(moving, sizeof *dem->position0);
     dem->velocity0 = memory_rows(moving, sizeof *dem->velocity0);
     dem->id = memory_rows(grains, sizeof *dem->id);
     dem->mass = memory_rows(grains, sizeof *dem->mass);
-    if (dem->position && dem->velocity && dem->spin && dem->position0 && dem->velocity0 && dem->id && dem->mass)
+    if (dem->position && dem->velocity && dem->spin && dem->arm && dem->position0 && dem->velocity0 && dem->id && dem->mass)
         return SCREE_OK;
     return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for %zu grains (%.3g MB)", grains, dem_bytes((double)grains, 0) / 1e6);
 }
@@ -89,11 +93,18 @@ static enum scree_status make_parts(struct dem *dem, int threads, struct scree_e
     if (!dem->parts)
         return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for %d parts", threads);
     dem->part_count = threads;
-    for (int k = 0; k < threads; k++) {
-        dem->parts[k].from = dem->moving * (size_t)k / (size_t)threads;
-        dem->parts[k].to = dem->moving * (size_t)(k + 1) / (size_t)threads;
-    }
     return cells_create(&dem->cells, err);
+}
+
+void dem_cut(struct dem *dem)
+{
+    size_t parts = (size_t)dem->part_count, from = 0;
+    for (size_t k = 0; k < parts; k++) {
+        size_t to = dem->moving * (k + 1) / parts;
+        to = to > 0 ? dem->motion->next(dem, to - 1) : 0;
+        dem->parts[k].from = from;
+        dem->parts[k].to = from = to;
+    }
 }
 
 /* Refuses grains that overlap by more than rounding. */
@@ -137,19 +148,23 @@ enum scree_status dem_start(const struct dem_setup *setup, size_t moving, size_t
     struct dem *dem = memory_rows(1, sizeof *dem);
     if (!dem)
         return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for a world");
-    dem->law = &law_hertz_rolling;
+    dem->law = setup->law ? setup->law : &law_hertz_rolling;
+    dem->motion = setup->body_count ? &motion_bodies : &motion_free;
     dem->step_s = setup->step_s;
     dem->floor_z = setup->floor_z;
     dem->ledger = setup->ledger;
     set_gravity(dem, setup->gravity);
     memcpy(dem->length, setup->length, sizeof dem->length);
     fill_shifts(dem);
-    dem->law->coefs(&setup->material, setup->step_s, &dem->coefs);
+    for (int k = 0; k < LAW_PARTNERS; k++)
+        dem->law->coefs(setup->matter ? setup->matter : &setup->material, k, setup->step_s, &dem->coefs[k]);
     dem->walls = memory_rows(setup->wall_count, sizeof *dem->walls);
     if (!dem->walls)
         status = scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for %zu walls", setup->wall_count);
-    else if (!(status = cpu_choose(setup->isa, &dem->isa, err)) && !(status = make_rows(dem, moving, grains, err)))
-        status = make_parts(dem, setup->threads, err);
+    else if (!(status = cpu_choose(setup->isa, &dem->isa, err)) && !(status = make_rows(dem, moving, grains, err)) &&
+             !(status = make_parts(dem, setup->threads, err)) &&
+             !(status = mesh_create(dem, setup->surfaces, setup->surface_count, err)) && setup->body_count)
+        status = bodies_create(dem, setup->body_count, err);
     if (status) {
         dem_free(dem);
         return status;
@@ -168,26 +183,38 @@ void dem_plan(struct dem *dem)
     for (size_t i = 0; i < dem->grains; i++)
         dem->largest_radius = fmax(dem->largest_radius, dem->position[i][3]);
     double diameter = 2 * dem->largest_radius;
-    dem->plan =
-        (struct near_plan){.skin = SKIN_SHARE * diameter, .stray = STRAY_SHARE * diameter, .target = HORIZON_STEPS, .stale = true};
+    dem->plan = (struct near_plan){.skin = SKIN_SHARE * diameter,
+                                   .least = SKIN_SHARE * diameter,
+                                   .since = dem->step,
+                                   .stray = STRAY_SHARE * diameter,
+                                   .target = HORIZON_STEPS,
+                                   .stale = true};
 }
 
 enum scree_status dem_create(const struct dem_setup *setup, struct dem **out, struct scree_error *err)
 {
     size_t moving = 0;
     struct dem *dem = NULL;
-    if (setup->grain_count >= IMAGE_ROW)
-        return scree_fail(err, SCREE_INVALID, "params", "%zu grains are more than the %d that a world holds", setup->grain_count,
+    for (size_t k = 0; k < setup->body_count; k++)
+        moving += setup->shapes[setup->bodies[k].shape].spheres;
+    size_t grains = setup->grain_count + moving;
+    if (grains >= IMAGE_ROW)
+        return scree_fail(err, SCREE_INVALID, "params", "%zu grains are more than the %d that a world holds", grains,
                           IMAGE_ROW - 1);
-    for (size_t k = 0; k < setup->grain_count; k++)
+    for (size_t k = 0; k < setup->grain_count; k++) {
+        assert(setup->grains[k].fixed || !setup->body_count);
         moving += !setup->grains[k].fixed;
-    enum scree_status status = dem_start(setup, moving, setup->grain_count, &dem, err);
+    }
+    enum scree_status status = dem_start(setup, moving, grains, &dem, err);
     if (status)
         return status;
     fill_rows(dem, setup);
+    if (dem->bodies)
+        bodies_fill(dem, setup);
+    dem_cut(dem);
     dem_plan(dem);
     if (!(status = order_rows(dem, err))) {
-        dem->start_potential = order_potential(dem);
+        dem->start_potential = dem->motion->potential(dem);
         status = dem_first_lists(dem, err);
     }
     if (!status && !setup->overlaps)
@@ -237,11 +264,14 @@ void dem_free(struct dem *dem)
     free(dem->position);
     free(dem->velocity);
     free(dem->spin);
+    free(dem->arm);
     free(dem->position0);
     free(dem->velocity0);
     free(dem->id);
     free(dem->mass);
     free(dem->walls);
+    bodies_free(dem->bodies);
+    mesh_free(dem->mesh);
     free(dem->view_position);
     free(dem->view_velocity);
     free(dem->view_spin);
@@ -269,6 +299,11 @@ size_t dem_fixed(const struct dem *dem)
     return dem->grains - dem->moving;
 }
 
+size_t dem_units(const struct dem *dem)
+{
+    return dem->bodies ? dem->bodies->count : dem->moving;
+}
+
 const char *dem_isa(const struct dem *dem)
 {
     return cpu_isa_name(dem->isa);
@@ -286,20 +321,21 @@ void dem_take_base_force(struct dem *dem, double mean[3])
 void dem_set_gravity(struct dem *dem, const double gravity[3])
 {
     /* The work of the old field so far is kept; the potential restarts with the new one. */
-    double before = order_potential(dem) - dem->start_potential + dem->wrapped_work;
+    double before = dem->motion->potential(dem) - dem->start_potential + dem->wrapped_work, change[3];
     /* Rows hold v(n-1/2); v(n) = v(n-1/2) + g dt/2 must not jump with the field. */
-    for (size_t i = 0; i < dem->moving; i++)
-        for (int a = 0; a < 3; a++)
-            dem->velocity[i][a] += 0.5 * dem->step_s * (dem->gravity[a] - gravity[a]);
+    for (int a = 0; a < 3; a++)
+        change[a] = 0.5 * dem->step_s * (dem->gravity[a] - gravity[a]);
+    dem->motion->nudge(dem, change);
     double weight = sqrt(dem->gravity[0] * dem->gravity[0] + dem->gravity[1] * dem->gravity[1] + dem->gravity[2] * dem->gravity[2]);
     set_gravity(dem, gravity);
     dem->weight = weight + 2 * dem->weight; // lists that are in use have to bear both fields and the change
-    dem->start_potential = order_potential(dem) + dem->wrapped_work - before;
+    dem->start_potential = dem->motion->potential(dem) + dem->wrapped_work - before;
 }
 
 void dem_set_material(struct dem *dem, const struct material_spec *material)
 {
-    dem->law->coefs(material, dem->step_s, &dem->coefs);
+    for (int k = 0; k < LAW_PARTNERS; k++)
+        dem->law->coefs(material, k, dem->step_s, &dem->coefs[k]);
 }
 
 struct dem_counts dem_counts(const struct dem *dem)

@@ -12,6 +12,7 @@
 #include <stdint.h>
 
 #include "base/status.h"
+#include "geom/clump.h"
 #include "spec/spec.h"
 #include "view.h"
 
@@ -26,20 +27,50 @@ struct dem_grain {
     bool fixed;
 };
 
+/* A rigid body of one of the setup's shapes. */
+struct dem_body {
+    double position[3], velocity[3], spin[3]; // of its centre of mass, m, m/s; in space, rad/s; at t = 0
+    double orientation[4];                    // unit quaternion w, x, y, z: own axes into space
+    uint32_t shape;
+};
+
 /* A plane that grains touch from the side its normal points to. */
 struct dem_wall {
     double point[3], normal[3]; // normal of unit length
     bool base;                  // its force counts as force on the base
+    int partner;                // kind of partner that it is to grains, below LAW_PARTNERS (law.h)
 };
 
+/* A wall of triangles, touched from both sides. It stands still, or slides at a
+ * constant velocity from an instant on, and is gone after another. */
+struct dem_surface {
+    const struct trimesh *mesh; // copied
+    const uint8_t *partner;     // by triangle, as in struct dem_wall; NULL: 0
+    double velocity[3];         // m/s
+    double from_s, until_s;     // INFINITY: stays
+    bool base;
+};
+
+struct law;
+
 struct dem_setup {
+    const struct law *law; // NULL: hertz-mindlin-rolling
+    const void *matter;    // the law's material; NULL: `material` below
     double step_s;
     double gravity[3];
     double length[3]; // periodic lengths from 0; 0: unbounded along that axis
     const struct dem_grain *grains;
     size_t grain_count;
+    /* Rigid bodies: with any, every grain above must be fixed. Ids of their members
+     * follow those of the grains, body by body. */
+    const struct clump *shapes;
+    size_t shape_count;
+    const struct dem_body *bodies;
+    size_t body_count;
     const struct dem_wall *walls;
     size_t wall_count;
+    const struct dem_surface *surfaces; // only where nothing is periodic
+    size_t surface_count;
     struct material_spec material; // of grains and walls
     double floor_z;                // a moving grain whose centre is below is through the base: blow-up; -INFINITY: no such limit
     int threads;                   // at least 1
@@ -61,6 +92,7 @@ uint64_t dem_step(const struct dem *dem);
 double dem_time(const struct dem *dem);
 size_t dem_moving(const struct dem *dem);
 size_t dem_fixed(const struct dem *dem);
+size_t dem_units(const struct dem *dem); // bodies where there are any, else moving grains
 const char *dem_isa(const struct dem *dem);
 
 /* Mean force of the flow on the base over the steps since the last call (or

@@ -8,6 +8,8 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "dem/bodies.h"
+#include "dem/mesh.h"
 #include "dem/state.h"
 
 static enum scree_status contact_arrays(struct dem_image *image, struct scree_error *err)
@@ -36,6 +38,12 @@ void dem_image_free(struct dem_image *image)
     free(image->wall_contact);
     free(image->wall_out);
     free(image->wall_overlap);
+    free(image->body);
+    free(image->surface);
+    free(image->vertex);
+    free(image->corner);
+    free(image->partner);
+    free(image->mesh_pair);
     memset(image, 0, sizeof *image);
 }
 
@@ -44,6 +52,7 @@ static struct dem_scalars scalars_of(const struct dem *dem)
     struct dem_scalars s = {.moving = dem->moving,
                             .grains = dem->grains,
                             .walls = dem->wall_count,
+                            .bodies = dem->bodies ? dem->bodies->count : 0,
                             .step = dem->step,
                             .base_steps = dem->base_steps,
                             .ledger = dem->ledger,
@@ -75,6 +84,10 @@ enum scree_status dem_save(const struct dem *dem, struct dem_image *image, struc
     enum scree_status status = contact_arrays(image, err);
     if (status)
         return status;
+    if ((dem->bodies && (status = bodies_save(dem, image, err))) || (status = mesh_save(dem, image, err))) {
+        dem_image_free(image);
+        return status;
+    }
     size_t c = 0, w = 0;
     for (int k = 0; k < dem->part_count; k++) {
         const struct part *part = &dem->parts[k];
@@ -110,6 +123,11 @@ static bool keys_are_sound(const struct dem_image *image)
     for (size_t k = 0; k < s->wall_contacts; k++)
         if (image->wall_keys[k] >> 32 >= s->moving || (uint32_t)image->wall_keys[k] >= s->walls)
             return false;
+    for (size_t k = 0; k < s->walls; k++)
+        if (image->walls[k].partner < 0 || image->walls[k].partner >= LAW_PARTNERS)
+            return false;
+    if (s->bodies > s->moving || (s->bodies && !bodies_are_sound(image)))
+        return false;
     return s->moving > 0 && s->moving <= s->grains && s->grains < IMAGE_ROW;
 }
 
@@ -129,6 +147,12 @@ static bool state_is_sound(const struct dem_image *image)
                              s->gravity[2], s->length[0], s->length[1],  s->length[2]};
     if (!are_finite(bounds, sizeof bounds / sizeof *bounds) || s->step_s <= 0)
         return false;
+    for (size_t w = 0; w < s->walls; w++) {
+        unsigned char flag;
+        memcpy(&flag, &image->walls[w].base, 1); // a bool that holds something else must not be read as one
+        if (flag > 1)
+            return false;
+    }
     for (size_t i = 0; i < s->grains; i++) {
         double radius = image->position[i][3];
         if (!are_finite(image->position[i], 4) || !are_finite(image->velocity[i], 3) || !are_finite(image->spin[i], 3) ||
@@ -184,7 +208,7 @@ static void put_scalars(struct dem *dem, const struct dem_scalars *s)
     dem->start_potential = s->start_potential;
 }
 
-enum scree_status dem_load(const struct dem_image *image, const struct material_spec *material, const char *isa, int threads,
+enum scree_status dem_load(const struct dem_image *image, const struct law *law, const void *matter, const char *isa, int threads,
                            struct dem **out, struct scree_error *err)
 {
     const struct dem_scalars *s = &image->scalars;
@@ -194,10 +218,12 @@ enum scree_status dem_load(const struct dem_image *image, const struct material_
         return scree_fail(err, SCREE_CORRUPT, NULL, "the image names grains that it does not hold");
     if (!state_is_sound(image))
         return scree_fail(err, SCREE_CORRUPT, NULL, "the image holds numbers that no state has");
-    struct dem_setup setup = {.step_s = s->step_s,
+    struct dem_setup setup = {.law = law,
+                              .matter = matter,
+                              .step_s = s->step_s,
+                              .body_count = s->bodies,
                               .walls = image->walls,
                               .wall_count = s->walls,
-                              .material = *material,
                               .floor_z = s->floor_z,
                               .threads = threads,
                               .isa = isa,
@@ -212,9 +238,12 @@ enum scree_status dem_load(const struct dem_image *image, const struct material_
     memcpy(dem->spin, image->spin, s->grains * sizeof *dem->spin);
     memcpy(dem->mass, image->mass, s->grains * sizeof *dem->mass);
     memcpy(dem->id, image->id, s->grains * sizeof *dem->id);
+    if (dem->bodies)
+        bodies_load(dem, image);
     put_scalars(dem, s);
+    dem_cut(dem);
     dem_plan(dem);
-    if ((status = held_of(&pairs, image->keys, image->contact, s->contacts, err)) ||
+    if ((status = mesh_load(dem, image, err)) || (status = held_of(&pairs, image->keys, image->contact, s->contacts, err)) ||
         (status = held_of(&walls, image->wall_keys, image->wall_contact, s->wall_contacts, err)) ||
         (status = near_give(dem, &pairs, &walls, err)) || (status = dem_first_lists(dem, err)))
         goto out;

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Row loops of the step; see kernels.h. Compiled once per instruction set, with
- * KERNELS naming the table. A row is one vector: x, y, z and a constant that the
+ * ISA naming the table. A row is one vector: x, y, z and a constant that the
  * arithmetic leaves alone. */
 #include "dem/kernels.h"
 
-#include "base/simd.h"
+#include "dem/lanes.h"
 
 static void drift(double (*position)[4], double (*velocity)[4], size_t from, size_t to, const double kick[3], double dt)
 {
@@ -145,4 +145,9 @@ static size_t approach(const struct pair_batch *b, size_t count, double horizon,
     return found;
 }
 
-const struct kernels KERNELS = {.drift = drift, .touch = touch, .kick = kick, .approach = approach};
+const struct kernels PER_ISA(kernels) = {.drift = drift,
+                                         .touch = touch,
+                                         .kick = kick,
+                                         .approach = approach,
+                                         .bodies_drift = PER_ISA(bodies_drift),
+                                         .bodies_gather = PER_ISA(bodies_gather)};

@@ -45,7 +45,8 @@ struct contact_loss {
     double normal, tangential, torsion, rolling;
 };
 
-/* Coefficients of the law for one kind of contact, derived from a material. */
+/* Coefficients of the law for one kind of contact, derived from a material. What
+ * they are is each law's business; these are those of hertz-mindlin-rolling. */
 struct law_coefs {
     double normal;     // 2 E / 3 (1 - nu^2) of eq. 5, Pa
     double tangential; // 4 G / (2 - nu) of eq. 7, Pa
@@ -54,7 +55,8 @@ struct law_coefs {
     double beta;       // s
     double beta_r;     // s
     double mu_t, mu_n, mu_r;
-    double step; // s
+    double step;  // s
+    double least; // no normal force below this, N: 0 or -INFINITY
 };
 
 /* Everything a kernel reads and writes about pairs of grains. */
@@ -62,6 +64,7 @@ struct pair_batch {
     const double (*position)[4];
     const double (*velocity)[4];
     const double (*spin)[4];
+    const double (*arm)[4];   // from the centre of mass of a grain's body to its own centre, m; 0 for a free grain
     const double (*shift)[4]; // by image code
     const uint32_t *first;    // per near pair: row of grain 1
     const uint32_t *second;   // row of grain 2 and image code
@@ -75,8 +78,9 @@ struct pair_batch {
 
 /* A grain and a wall that are near. */
 struct wall_pair {
-    uint32_t grain, wall;
+    uint32_t grain, wall; // for walls of triangles: the surface
     int touching;
+    int partner;
     double normal[3]; // out of the grain, into the wall
     double overlap;   // at this step, m; meaningful while touching
     double approach;  // rate of overlap, m/s
@@ -87,18 +91,23 @@ struct wall_pair {
 
 struct law {
     const char *name, *doc, *source;
-    void (*coefs)(const struct material_spec *material, double step_s, struct law_coefs *out);
+    /* Coefficients of a grain's contact with a partner: 0 is another grain, others are
+     * kinds of wall that the material names. `material` is the struct of the law's own table. */
+    void (*coefs)(const void *material, int partner, double step_s, struct law_coefs *out);
     /* Forces of all touching pairs, one kernel per instruction set. */
     void (*pairs[CPU_ISA_COUNT])(const struct law_coefs *coefs, const struct pair_batch *batch);
     /* The same in plain scalar C: what the kernels must equal to the bit. */
     void (*pairs_reference)(const struct law_coefs *coefs, const struct pair_batch *batch);
-    /* One touching wall pair; velocity and spin are the grain's rows. Few, so scalar. */
-    void (*wall)(const struct law_coefs *coefs, const double velocity[4], const double spin[4], int ledger, struct wall_pair *pair);
+    /* One touching wall pair; velocity (over the wall's), spin and arm are the grain's rows. Few, so scalar. */
+    void (*wall)(const struct law_coefs *coefs, const double velocity[4], const double spin[4], const double arm[4], int ledger,
+                 struct wall_pair *pair);
     /* Energy in the springs of a contact with that history, by spring, J. */
     struct contact_loss (*elastic)(const struct law_coefs *coefs, const double contact[CONTACT_SLOTS], double overlap);
 };
 
-extern const struct law law_hertz_rolling;
+extern const struct law law_hertz_rolling, law_hertz_tsuji;
+
+enum { LAW_PARTNERS = 4 }; // kinds of partner that a material may name, grains included
 
 /* second = row | image code << IMAGE_SHIFT: x + 5 y + 25 z with x, y, z in -2..2, plus 62. */
 enum { IMAGE_SHIFT = 25, IMAGE_ROW = (1 << IMAGE_SHIFT) - 1, IMAGE_REACH = 2, IMAGE_BASE = 5, IMAGE_CODES = 125, IMAGE_NONE = 62 };

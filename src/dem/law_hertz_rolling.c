@@ -13,7 +13,7 @@
  * equals the projection F - (F.n) n. We project: the same number, and rounding
  * errors out of the plane do not pile up.
  *
- * The lanes of law_hertz_rolling_lanes.h do the same operations in the same
+ * The lanes of law_hertz_rolling_kernel.c do the same operations in the same
  * order on four contacts at once; a test compares the two bit for bit. */
 #include "dem/law.h"
 
@@ -22,8 +22,10 @@
 #include "base/vec3.h"
 #include "dem/law_hertz_rolling.h"
 
-static void hertz_rolling_coefs(const struct material_spec *m, double step_s, struct law_coefs *out)
+static void hertz_rolling_coefs(const void *material, int partner, double step_s, struct law_coefs *out)
 {
+    const struct material_spec *m = material;
+    (void)partner; // walls are of the grains' matter
     double shear = material_shear_modulus(m);
     *out = (struct law_coefs){
         .normal = 2.0 * m->young_Pa / (3.0 * (1.0 - m->poisson * m->poisson)),
@@ -159,9 +161,10 @@ static void hertz_rolling_pairs_reference(const struct law_coefs *coefs, const s
 /* A wall is a second body at rest: S4.4's definitions with the roles exchanged,
  * which eqs 1-26 allow since they change sign together. It has no rotation of
  * its normal, so the projection of the springs changes nothing. */
-static void hertz_rolling_wall(const struct law_coefs *coefs, const double velocity[4], const double spin[4], int ledger,
-                               struct wall_pair *pair)
+static void hertz_rolling_wall(const struct law_coefs *coefs, const double velocity[4], const double spin[4], const double arm[4],
+                               int ledger, struct wall_pair *pair)
 {
+    (void)arm;
     struct meeting m = {
         .normal = vec3_load(pair->normal),
         .overlap = pair->overlap,

@@ -26,6 +26,9 @@
 
 /* The share of the skin that a straight path may use up to the horizon. */
 #define PATH_SHARE 0.25
+/* Steps between rebuilds below which the skin grows, above which it shrinks; how far it grows. */
+enum { SKIN_SHORT = 150, SKIN_LONG = 600 };
+#define SKIN_MOST 8.0
 
 bool near_complete(struct dem *dem, struct part *part)
 {
@@ -149,6 +152,19 @@ static void stray_adapt(const struct dem *dem, struct part *part)
         part->stray = fmax(part->stray * 0.8, 1e-6 * plan->skin);
 }
 
+/* Grains that fly far in a step (soft ones, small ones that fall a long way) use a
+ * thin skin up within a few steps: it grows while rebuilds come fast, and goes
+ * back when they are rare. Member 0, between barriers. */
+static void skin_adapt(const struct dem *dem, struct near_plan *plan)
+{
+    uint64_t lasted = dem->step - plan->since;
+    if (!plan->stale && lasted < SKIN_SHORT)
+        plan->skin = fmin(plan->skin * 1.25, SKIN_MOST * plan->least);
+    else if (lasted > SKIN_LONG)
+        plan->skin = fmax(plan->skin * 0.9, plan->least);
+    plan->since = dem->step;
+}
+
 /* Straight paths are followed for as long as the outer list can vouch for. */
 static enum scree_status plan_horizon(struct dem *dem, double fastest, uint64_t *steps, struct scree_error *err)
 {
@@ -247,7 +263,7 @@ static enum scree_status part_refresh(struct dem *dem, struct part *part, uint64
     double seconds = (double)horizon * dem->step_s, margin = part->stray + fastest * dem->step_s;
     size_t kept = dem->kernels->approach(&outer, part->outer_count, seconds, margin, part->kept);
     if ((status = part_room(dem, part, kept, err)) || (status = near_fill(dem, part, kept, err)) ||
-        (status = walls_near(dem, part, seconds, margin, err)))
+        (status = walls_near(dem, part, seconds, margin, err)) || (status = mesh_near(dem, part, seconds, margin, err)))
         return status;
     memcpy(dem->velocity0[part->from], dem->velocity[part->from], (part->to - part->from) * sizeof *dem->velocity0);
     memset(part->strayed2, 0, sizeof part->strayed2);
@@ -282,6 +298,7 @@ void near_refresh(struct dem *dem, int member)
     if (plan->stale || use > 0.5 * plan->skin) {
         team_barrier(dem->team); // everybody has read plan->stale
         if (member == 0) {
+            skin_adapt(dem, plan);
             plan->status = cells_fill(dem->cells, dem, 2 * dem->largest_radius + plan->skin, &part->error);
             plan->stale = false;
             plan->rebuilds++;
@@ -291,6 +308,8 @@ void near_refresh(struct dem *dem, int member)
             part->status = plan->status; // member 0 has the message
         if (!part->status)
             part->status = cells_pairs(dem->cells, dem, part, plan->skin, &part->error);
+        if (!part->status)
+            part->status = mesh_outer(dem, part, plan->skin, &part->error);
         memcpy(dem->position0[part->from], dem->position[part->from], (part->to - part->from) * sizeof *dem->position0);
     }
     if (!part->status)

@@ -10,16 +10,6 @@
 #include "base/memory.h"
 #include "dem/state.h"
 
-double order_potential(const struct dem *dem)
-{
-    double sum = 0;
-    for (size_t i = 0; i < dem->moving; i++) {
-        const double *x = dem->position[i];
-        sum += dem->mass[i] * (dem->gravity[0] * x[0] + dem->gravity[1] * x[1] + dem->gravity[2] * x[2]);
-    }
-    return sum;
-}
-
 static enum scree_status blow_up(const struct dem *dem, size_t row, const char *what, struct scree_error *err)
 {
     const double *x = dem->position[row];
@@ -71,19 +61,12 @@ static uint32_t image_moved(uint32_t code, const int8_t from[3], const int8_t to
     return (uint32_t)out;
 }
 
-/* Moves every grain into the box. `boxes` has a row for every grain, all zero. */
-static void wrap_rows(struct dem *dem, int8_t (*boxes)[4])
+void order_boxes(const struct dem *dem, const double place[3], int8_t boxes[4])
 {
-    for (size_t i = 0; i < dem->moving; i++)
-        for (int a = 0; a < 3; a++) {
-            double box = dem->length[a];
-            if (box <= 0 || (dem->position[i][a] >= 0 && dem->position[i][a] < box))
-                continue;
-            double k = floor(dem->position[i][a] / box);
-            dem->position[i][a] -= k * box;
-            boxes[i][a] = (int8_t)k;
-            dem->wrapped_work += dem->mass[i] * dem->gravity[a] * k * box;
-        }
+    for (int a = 0; a < 3; a++) {
+        double box = dem->length[a];
+        boxes[a] = box > 0 && (place[a] < 0 || place[a] >= box) ? (int8_t)floor(place[a] / box) : 0;
+    }
 }
 
 static enum scree_status wrap(struct dem *dem, struct scree_error *err)
@@ -94,7 +77,11 @@ static enum scree_status wrap(struct dem *dem, struct scree_error *err)
         boxes ? SCREE_OK : scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory to wrap %zu grains", dem->grains);
     if (status || (status = near_take(dem, &pairs, &walls, err)))
         goto out;
-    wrap_rows(dem, boxes);
+    dem->motion->wrap(dem, boxes);
+    for (size_t i = 0; i < dem->moving; i++)
+        for (int a = 0; a < 3; a++)
+            if (boxes[i][a])
+                dem->position[i][a] -= boxes[i][a] * dem->length[a];
     for (size_t k = 0; k < pairs.count; k++) {
         uint32_t i = (uint32_t)(pairs.items[k].key >> 32), second = (uint32_t)pairs.items[k].key, j = second & IMAGE_ROW;
         pairs.items[k].key = (uint64_t)i << 32 | j | image_moved(second >> IMAGE_SHIFT, boxes[i], boxes[j]) << IMAGE_SHIFT;
@@ -125,7 +112,7 @@ static uint64_t spread(uint64_t x) // 21 bits to every third bit
 }
 
 /* Morton's curve over cells of a grain's size. */
-static uint64_t curve_place(const struct dem *dem, const double position[4])
+static uint64_t curve_place(const struct dem *dem, const double position[3])
 {
     uint64_t place = 0;
     for (int a = 0; a < 3; a++) {
@@ -184,6 +171,7 @@ static void move_rows(struct dem *dem, const struct place *places, char *scratch
     permute(dem->spin, sizeof *dem->spin, places, 0, n, scratch);
     permute(dem->id, sizeof *dem->id, places, 0, n, scratch);
     permute(dem->mass, sizeof *dem->mass, places, 0, n, scratch);
+    permute(dem->arm, sizeof *dem->arm, places, 0, n, scratch);
 }
 
 enum scree_status order_rows(struct dem *dem, struct scree_error *err)
@@ -201,12 +189,14 @@ enum scree_status order_rows(struct dem *dem, struct scree_error *err)
     if ((status = near_take(dem, &pairs, &walls, err)))
         goto out;
     for (size_t i = 0; i < n; i++)
-        places[i] = (struct place){curve_place(dem, dem->position[i]), (uint32_t)i};
+        places[i] = (struct place){curve_place(dem, i < dem->moving ? dem->motion->place(dem, i) : dem->position[i]), (uint32_t)i};
     qsort(places, dem->moving, sizeof *places, by_place);
     qsort(places + dem->moving, n - dem->moving, sizeof *places, by_place);
     for (size_t k = 0; k < n; k++)
         new_row[places[k].row] = (uint32_t)k;
     move_rows(dem, places, scratch);
+    if ((status = dem->motion->follow(dem, new_row, err)) || (status = mesh_follow(dem, new_row, err)))
+        goto out;
     for (size_t k = 0; k < pairs.count; k++)
         renumber(&pairs.items[k], new_row);
     for (size_t k = 0; k < walls.count; k++)

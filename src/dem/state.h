@@ -86,6 +86,8 @@ struct part {
 /* How the pair lists are kept; none of it can change a result. */
 struct near_plan {
     double skin;              // outer lists hold pairs with a gap below this, m
+    double least;             // that it starts from, m
+    uint64_t since;           // step of the last rebuild
     double stray;             // a grain may leave its straight path by this until the refresh, m
     uint64_t target;          // steps between refreshes to aim at
     bool stale;               // outer lists are to be rebuilt: positions were wrapped or rows reordered
@@ -95,12 +97,47 @@ struct near_plan {
 };
 
 struct cells;
+struct bodies;
+struct mesh;
+struct dem;
+
+/* Where contacts put their kicks: rows whose fourth element turns a force, or a
+ * torque, into what is added. Of free grains the rows of velocity and spin
+ * themselves; of rigid bodies sums of force and torque by member. */
+struct sink {
+    double (*linear)[4], (*angular)[4];
+    double (*linear0)[4]; // what strays is kept against
+    double *strayed2;     // largest squared change by component
+};
+
+/* How rows move: by themselves, or as members of rigid bodies. Rows of one unit
+ * (a grain, a body) lie side by side and in one part. */
+struct motion {
+    /* The part's rows: gravity's kick and the drift. */
+    void (*drift)(struct dem *dem, struct part *part);
+    /* The kicks of the step's contacts: fills a sink by `kick_rows` and does what follows from it. */
+    void (*kick)(struct dem *dem, struct part *part);
+    /* First row of the unit after the one that a row belongs to. */
+    size_t (*next)(const struct dem *dem, size_t row);
+    /* Where a row's unit is, for the order in memory, m. */
+    const double *(*place)(const struct dem *dem, size_t row);
+    /* By how many boxes a row's unit is outside the periodic box; moves what is kept by unit. */
+    void (*wrap)(struct dem *dem, int8_t (*boxes)[4]);
+    /* Adds the same change to every velocity, m/s. */
+    void (*nudge)(struct dem *dem, const double change[3]);
+    /* m g.x summed over what moves, J. */
+    double (*potential)(const struct dem *dem);
+    /* Rows have been permuted: new_row[old]. Whatever is kept by row or unit follows. */
+    enum scree_status (*follow)(struct dem *dem, const uint32_t *new_row, struct scree_error *err);
+};
+extern const struct motion motion_free, motion_bodies;
 
 struct dem {
     const struct law *law;
+    const struct motion *motion;
     const struct kernels *kernels;
     enum cpu_isa isa;
-    struct law_coefs coefs;
+    struct law_coefs coefs[LAW_PARTNERS]; // of grains with grains, then with kinds of wall
     double step_s;
     uint64_t step;
     double gravity[3], length[3], floor_z;
@@ -110,7 +147,8 @@ struct dem {
     size_t moving, grains;  // rows 0 .. moving-1 move, the rest is the base
     double (*position)[4];  // x, y, z, radius
     double (*velocity)[4];  // and dt / mass, 0 for the base
-    double (*spin)[4];      // and dt / moment of inertia
+    double (*spin)[4];      // and dt / (smallest) moment of inertia
+    double (*arm)[4];       // from the centre of mass of the row's body, m; 0 for free grains
     double (*velocity0)[4]; // of moving grains at the last refresh
     double (*position0)[4]; // of moving grains at the last rebuild of the outer lists
     uint32_t *id;
@@ -119,6 +157,8 @@ struct dem {
 
     struct dem_wall *walls;
     size_t wall_count;
+    struct bodies *bodies; // NULL where grains are free
+    struct mesh *mesh;     // NULL where no wall is of triangles
 
     struct team *team;
     struct part *parts;
@@ -171,8 +211,6 @@ void hot_fill(struct dem *dem, struct part *part);
 enum scree_status order_housekeeping(struct dem *dem, struct scree_error *err);
 /* Sorts the rows along a space-filling curve. */
 enum scree_status order_rows(struct dem *dem, struct scree_error *err);
-/* m g.x summed over moving grains, J. */
-double order_potential(const struct dem *dem);
 
 /* cells.c: the grid that outer lists are built from. */
 enum scree_status cells_create(struct cells **out, struct scree_error *err);
@@ -188,6 +226,36 @@ enum scree_status cells_pairs(const struct cells *cells, const struct dem *dem, 
 enum scree_status walls_near(struct dem *dem, struct part *part, double horizon, double stray, struct scree_error *err);
 /* Which of them touch now and with what force; kicks wait for walls_kick. */
 void walls_contacts(struct dem *dem, struct part *part);
-void walls_kick(struct dem *dem, struct part *part);
+void walls_kick(struct part *part, const struct sink *sink);
+
+void wall_pair_kick(const struct wall_pair *pair, const struct sink *sink);
+
+/* mesh.c: the same for walls of triangles; nothing where there are none. Triangles within the
+ * skin of the part's grains; those that could be touched; contacts; kicks. */
+enum scree_status mesh_outer(struct dem *dem, struct part *part, double skin, struct scree_error *err);
+enum scree_status mesh_near(struct dem *dem, struct part *part, double horizon, double stray, struct scree_error *err);
+void mesh_contacts(struct dem *dem, struct part *part);
+void mesh_kick(struct dem *dem, struct part *part, const struct sink *sink);
+/* Member 0: force on the base, dissipated energy. */
+void mesh_account(struct dem *dem);
+/* Member 0: rows have been permuted, and parts cut anew. */
+enum scree_status mesh_follow(struct dem *dem, const uint32_t *new_row, struct scree_error *err);
+
+static inline void add_loss(double lost[4], const struct contact_loss *loss)
+{
+    lost[0] += loss->normal;
+    lost[1] += loss->tangential;
+    lost[2] += loss->torsion;
+    lost[3] += loss->rolling;
+}
+
+/* step.c: all kicks of the step's contacts on the part's rows, in their fixed order. */
+void kick_rows(struct dem *dem, struct part *part, const struct sink *sink);
+/* dem.c: cuts the rows into parts between units. */
+void dem_cut(struct dem *dem);
+/* view.c: goes on with a hash. */
+uint64_t hash_double(uint64_t hash, double value);
+/* order.c: by how many boxes a place is outside the periodic box. */
+void order_boxes(const struct dem *dem, const double place[3], int8_t boxes[4]);
 
 #endif

@@ -32,6 +32,7 @@ static struct pair_batch batch_of(const struct dem *dem, const struct part *part
     return (struct pair_batch){.position = (const double(*)[4])dem->position,
                                .velocity = (const double(*)[4])dem->velocity,
                                .spin = (const double(*)[4])dem->spin,
+                               .arm = (const double(*)[4])dem->arm,
                                .shift = (const double(*)[4])dem->shift,
                                .first = part->near.first,
                                .second = part->near.second,
@@ -40,12 +41,6 @@ static struct pair_batch batch_of(const struct dem *dem, const struct part *part
                                .active_count = part->active_count,
                                .out = part->out,
                                .loss = dem->ledger ? part->loss : NULL};
-}
-
-static void drift(struct dem *dem, struct part *part)
-{
-    double dt = dem->step_s, kick[3] = {dem->gravity[0] * dt, dem->gravity[1] * dt, dem->gravity[2] * dt};
-    dem->kernels->drift(dem->position, dem->velocity, part->from, part->to, kick, dt);
 }
 
 /* Touching pairs that others look at after this member: those whose second grain
@@ -72,13 +67,14 @@ static void contacts(struct dem *dem, struct part *part)
                                              dem->ledger ? part->ended : NULL, &part->ended_count);
     batch.active_count = part->active_count;
     clock_phase(dem, part, DEM_SEARCH);
-    dem->law->pairs[dem->isa](&dem->coefs, &batch);
+    dem->law->pairs[dem->isa](&dem->coefs[0], &batch);
     list_shared(dem, part);
     walls_contacts(dem, part);
+    mesh_contacts(dem, part);
 }
 
 /* Second grains of earlier parts' contacts that this part owns. */
-static void kick_imports(struct dem *dem, struct part *part)
+static void kick_imports(struct dem *dem, struct part *part, const struct sink *sink)
 {
     for (const struct part *other = dem->parts; other < part; other++)
         for (size_t e = 0; e < other->export_count; e++) {
@@ -86,37 +82,30 @@ static void kick_imports(struct dem *dem, struct part *part)
             size_t j = other->near.second[other->active[k]] & IMAGE_ROW;
             if (j < part->from || j >= part->to)
                 continue;
-            double *v = dem->velocity[j], *w = dem->spin[j];
+            double *v = sink->linear[j], *w = sink->angular[j];
             for (int a = 0; a < 3; a++) {
                 v[a] += other->out[k].force[a] * v[3];
                 w[a] += other->out[k].torque2[a] * w[3];
-                double change = (v[a] - dem->velocity0[j][a]) * (v[a] - dem->velocity0[j][a]);
-                part->strayed2[a] = change > part->strayed2[a] ? change : part->strayed2[a];
+                double change = (v[a] - sink->linear0[j][a]) * (v[a] - sink->linear0[j][a]);
+                sink->strayed2[a] = change > sink->strayed2[a] ? change : sink->strayed2[a];
             }
         }
 }
 
-static void kick(struct dem *dem, struct part *part)
+void kick_rows(struct dem *dem, struct part *part, const struct sink *sink)
 {
     struct pair_batch batch = batch_of(dem, part);
-    kick_imports(dem, part);
-    dem->kernels->kick(&batch, dem->velocity, dem->spin, dem->velocity0, part->from, part->to, part->strayed2);
-    walls_kick(dem, part);
-}
-
-static void add_loss(double lost[4], const struct contact_loss *loss)
-{
-    lost[0] += loss->normal;
-    lost[1] += loss->tangential;
-    lost[2] += loss->torsion;
-    lost[3] += loss->rolling;
+    kick_imports(dem, part, sink);
+    dem->kernels->kick(&batch, sink->linear, sink->angular, sink->linear0, part->from, part->to, sink->strayed2);
+    walls_kick(part, sink);
+    mesh_kick(dem, part, sink);
 }
 
 /* What the springs of ended contacts held is lost; Hertz's gives all back. */
 static void account_ended(struct dem *dem, const struct part *part)
 {
     for (size_t k = 0; k < part->ended_count; k++) {
-        struct contact_loss left = dem->law->elastic(&dem->coefs, part->near.contact[part->ended[k]], 0);
+        struct contact_loss left = dem->law->elastic(&dem->coefs[0], part->near.contact[part->ended[k]], 0);
         left.normal = 0;
         add_loss(dem->lost, &left);
     }
@@ -153,6 +142,7 @@ static void account(struct dem *dem)
         account_ended(dem, &dem->parts[p]);
     for (int p = 0; p < dem->part_count; p++)
         account_walls(dem, &dem->parts[p]);
+    mesh_account(dem);
     dem->base_steps++;
     dem->step++;
 }
@@ -193,7 +183,7 @@ static void slice_member(void *context, int member)
             if (slice->status)
                 return;
         }
-        drift(dem, part);
+        dem->motion->drift(dem, part);
         clock_phase(dem, part, DEM_INTEGRATE);
         team_barrier(dem->team);
         if (!near_complete(dem, part)) {
@@ -207,7 +197,7 @@ static void slice_member(void *context, int member)
         contacts(dem, part);
         clock_phase(dem, part, DEM_LAW);
         team_barrier(dem->team);
-        kick(dem, part);
+        dem->motion->kick(dem, part);
         clock_phase(dem, part, DEM_GATHER);
         if (member == 0)
             account(dem);

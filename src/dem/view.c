@@ -10,6 +10,8 @@
 
 #include "base/memory.h"
 #include "base/vec3.h"
+#include "dem/bodies.h"
+#include "dem/mesh.h"
 #include "dem/state.h"
 
 static enum scree_status view_room(struct dem *dem, size_t contacts, struct scree_error *err)
@@ -52,10 +54,10 @@ static void take_back(struct dem *dem, size_t row, double sign, const double for
     }
 }
 
-static void finish_contact(const struct dem *dem, const double contact[CONTACT_SLOTS], const struct contact_out *out,
+static void finish_contact(const struct dem *dem, int partner, const double contact[CONTACT_SLOTS], const struct contact_out *out,
                            struct view_contact *c)
 {
-    struct contact_loss e = dem->law->elastic(&dem->coefs, contact, c->overlap);
+    struct contact_loss e = dem->law->elastic(&dem->coefs[partner], contact, c->overlap);
     c->elastic = e.normal + e.tangential + e.torsion + e.rolling;
     c->force_normal = vec3_dot(vec3_load(out->force), vec3_load(c->normal));
     memcpy(c->force, out->force, sizeof c->force);
@@ -74,7 +76,7 @@ static void view_pairs(struct dem *dem, const struct part *part, struct view *vi
         struct view_contact *c = &dem->view_contacts[view->contacts++];
         *c = (struct view_contact){.a = i, .b = j, .overlap = fmax(0, dem->position[i][3] + dem->position[j][3] - distance)};
         vec3_store3(c->normal, n);
-        finish_contact(dem, part->near.contact[p], &part->out[k], c);
+        finish_contact(dem, 0, part->near.contact[p], &part->out[k], c);
         take_back(dem, i, -1, part->out[k].force, part->out[k].torque1);
         take_back(dem, j, 1, part->out[k].force, part->out[k].torque2);
         if (j >= dem->moving)
@@ -92,12 +94,28 @@ static void view_walls(struct dem *dem, const struct part *part, struct view *vi
         struct view_contact *c = &dem->view_contacts[view->contacts++];
         *c = (struct view_contact){.a = pair->grain, .b = VIEW_WALL + pair->wall, .overlap = pair->overlap};
         memcpy(c->normal, pair->normal, sizeof c->normal);
-        finish_contact(dem, pair->contact, &pair->out, c);
+        finish_contact(dem, pair->partner, pair->contact, &pair->out, c);
         memset(c->torque_b, 0, sizeof c->torque_b);
         take_back(dem, pair->grain, -1, pair->out.force, pair->out.torque1);
         if (dem->walls[pair->wall].base)
             for (int a = 0; a < 3; a++)
                 view->base_force[a] += pair->out.force[a];
+    }
+}
+
+static void view_mesh(struct dem *dem, const struct mesh_part *part, struct view *view)
+{
+    for (size_t k = 0; k < part->contact_count; k++) {
+        const struct wall_pair *pair = &part->contact[k];
+        struct view_contact *c = &dem->view_contacts[view->contacts++];
+        *c = (struct view_contact){
+            .a = pair->grain, .b = VIEW_WALL + (uint32_t)dem->wall_count + pair->wall, .overlap = pair->overlap};
+        memcpy(c->normal, pair->normal, sizeof c->normal);
+        finish_contact(dem, pair->partner, pair->contact, &pair->out, c);
+        memset(c->torque_b, 0, sizeof c->torque_b);
+        take_back(dem, pair->grain, -1, pair->out.force, pair->out.torque1);
+        for (int a = 0; a < 3 && dem->mesh->surface[pair->wall].base; a++)
+            view->base_force[a] += pair->out.force[a];
     }
 }
 
@@ -116,7 +134,7 @@ enum scree_status dem_view(struct dem *dem, struct view *view, struct scree_erro
 {
     size_t contacts = 0;
     for (int k = 0; k < dem->part_count; k++)
-        contacts += dem->parts[k].active_count + dem->parts[k].wall_count;
+        contacts += dem->parts[k].active_count + dem->parts[k].wall_count + (dem->mesh ? dem->mesh->part[k].contact_count : 0);
     enum scree_status status = view_room(dem, contacts, err);
     if (status)
         return status;
@@ -130,7 +148,7 @@ enum scree_status dem_view(struct dem *dem, struct view *view, struct scree_erro
                           .velocity = (const double(*)[4])dem->view_velocity,
                           .spin = (const double(*)[4])dem->view_spin,
                           .contact = dem->view_contacts,
-                          .gravity_work = order_potential(dem) - dem->start_potential + dem->wrapped_work,
+                          .gravity_work = dem->motion->potential(dem) - dem->start_potential + dem->wrapped_work,
                           .dissipated_normal = dem->lost[0],
                           .dissipated_tangential = dem->lost[1],
                           .dissipated_torsion = dem->lost[2],
@@ -146,14 +164,18 @@ enum scree_status dem_view(struct dem *dem, struct view *view, struct scree_erro
             view_pairs(dem, &dem->parts[k], view);
         for (int k = 0; k < dem->part_count; k++)
             view_walls(dem, &dem->parts[k], view);
+        for (int k = 0; dem->mesh && k < dem->part_count; k++)
+            view_mesh(dem, &dem->mesh->part[k], view);
     }
+    if (dem->bodies && (status = bodies_view(dem, view, err)))
+        return status;
     view_approach(dem, view);
     return SCREE_OK;
 }
 
 /* ---- hash ---- */
 
-static uint64_t hash_double(uint64_t h, double value)
+uint64_t hash_double(uint64_t h, double value)
 {
     uint64_t bits;
     memcpy(&bits, &value, sizeof bits);
@@ -196,6 +218,13 @@ uint64_t dem_hash(const struct dem *dem)
             if (part->walls[w].touching)
                 sum += hash_contact(hash_double(hash_double(4, dem->id[part->walls[w].grain]), part->walls[w].wall),
                                     part->walls[w].contact, 1);
+        for (size_t c = 0; dem->mesh && c < dem->mesh->part[k].contact_count; c++) {
+            const struct wall_pair *pair = &dem->mesh->part[k].contact[c];
+            uint64_t h = hash_double(hash_double(6, dem->id[pair->grain]), pair->wall);
+            for (int a = 0; a < 3; a++)
+                h = hash_double(h, pair->normal[a] + 0.0);
+            sum += hash_contact(h, pair->contact, 1);
+        }
     }
-    return sum;
+    return dem->bodies ? bodies_hash(dem, sum) : sum;
 }

@@ -31,7 +31,7 @@ enum scree_status walls_near(struct dem *dem, struct part *part, double horizon,
             if (status)
                 return status;
             struct wall_pair *pair = &part->walls[part->wall_count++];
-            *pair = (struct wall_pair){.grain = (uint32_t)i, .wall = (uint32_t)w};
+            *pair = (struct wall_pair){.grain = (uint32_t)i, .wall = (uint32_t)w, .partner = wall->partner};
             for (int a = 0; a < 3; a++)
                 pair->normal[a] = -wall->normal[a];
             uint64_t key = (uint64_t)i << 32 | w;
@@ -56,7 +56,7 @@ void walls_contacts(struct dem *dem, struct part *part)
         memset(&pair->loss, 0, sizeof pair->loss);
         if (!(gap <= 0)) {
             if (pair->touching && dem->ledger) { // what its springs held is lost
-                pair->loss = dem->law->elastic(&dem->coefs, pair->contact, 0);
+                pair->loss = dem->law->elastic(&dem->coefs[pair->partner], pair->contact, 0);
                 pair->loss.normal = 0;
             }
             pair->touching = 0;
@@ -67,23 +67,26 @@ void walls_contacts(struct dem *dem, struct part *part)
         pair->touching = 1;
         pair->overlap = -gap;
         pair->approach = vec3_dot(vec3_load(dem->velocity[pair->grain]), vec3_load(pair->normal));
-        dem->law->wall(&dem->coefs, dem->velocity[pair->grain], dem->spin[pair->grain], dem->ledger, pair);
+        dem->law->wall(&dem->coefs[pair->partner], dem->velocity[pair->grain], dem->spin[pair->grain], dem->arm[pair->grain],
+                       dem->ledger, pair);
     }
 }
 
-void walls_kick(struct dem *dem, struct part *part)
+void wall_pair_kick(const struct wall_pair *pair, const struct sink *sink)
 {
-    for (size_t k = 0; k < part->wall_count; k++) {
-        const struct wall_pair *pair = &part->walls[k];
-        if (!pair->touching)
-            continue;
-        double *v = dem->velocity[pair->grain], *w = dem->spin[pair->grain];
-        const double *v0 = dem->velocity0[pair->grain];
-        for (int a = 0; a < 3; a++) {
-            v[a] -= pair->out.force[a] * v[3];
-            w[a] += pair->out.torque1[a] * w[3];
-            double change = (v[a] - v0[a]) * (v[a] - v0[a]);
-            part->strayed2[a] = change > part->strayed2[a] ? change : part->strayed2[a];
-        }
+    double *v = sink->linear[pair->grain], *w = sink->angular[pair->grain];
+    const double *v0 = sink->linear0[pair->grain];
+    for (int a = 0; a < 3; a++) {
+        v[a] -= pair->out.force[a] * v[3];
+        w[a] += pair->out.torque1[a] * w[3];
+        double change = (v[a] - v0[a]) * (v[a] - v0[a]);
+        sink->strayed2[a] = change > sink->strayed2[a] ? change : sink->strayed2[a];
     }
+}
+
+void walls_kick(struct part *part, const struct sink *sink)
+{
+    for (size_t k = 0; k < part->wall_count; k++)
+        if (part->walls[k].touching)
+            wall_pair_kick(&part->walls[k], sink);
 }

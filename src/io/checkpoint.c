@@ -58,7 +58,7 @@ static uint64_t hash_job(const struct job_spec *job)
     uint64_t hash = hash_bytes(1, job->scenario->name, strlen(job->scenario->name));
     hash = hash_table(hash, &job_table, job);
     hash = hash_table(hash, job->scenario->params, job->params);
-    return hash_table(hash, &material_table, &job->material);
+    return hash_table(hash, scenario_material(job->scenario)->table, &job->material);
 }
 
 /* ---- writing ---- */

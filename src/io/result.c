@@ -312,7 +312,7 @@ enum scree_status scree_result_write(const struct scree_result *r, const struct 
     h5_create(&h5, part);
     write_header(&h5, r);
     write_table(&h5, "/parameters/params", r->job->scenario->params, r->job->params);
-    write_table(&h5, "/parameters/material", &material_table, &r->job->material);
+    write_table(&h5, "/parameters/material", scenario_material(r->job->scenario)->table, &r->job->material);
     write_table(&h5, "/parameters/job", &job_table, r->job);
     enum scree_status status = h5.status ? h5.status : write_streams(&h5, r, source, err);
     enum scree_status closed = h5_close(&h5, status ? NULL : err);

@@ -40,11 +40,13 @@ static enum scree_status sample(void *state, struct measure_context *context, co
     return series_add(&s->series, context->sink, context->time_s, values, err);
 }
 
-static size_t numbers(const void *state, const struct measure_context *context, struct scree_number *out, size_t room)
+static size_t numbers(const void *state, const struct measure_context *context, const struct measure_now *now,
+                      struct scree_number *out, size_t room)
 {
+    (void)now;
     const struct state *s = state;
     double force[WINDOW_VALUES];
-    if (context->site.area <= 0)
+    if (context->site.area_z <= 0)
         return 0;
     double window = window_means(&s->window, measure_window_from(context), force);
     double weight = context->last.mass * -context->gravity[2], pull = context->last.mass * context->gravity[0];

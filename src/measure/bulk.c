@@ -27,13 +27,23 @@ void bulk_measure(const struct view *view, struct bulk *out)
     *out = (struct bulk){.time_s = view->time_s};
     for (size_t i = 0; i < view->moving; i++) {
         const double *v = view->velocity[i], *w = view->spin[i], r = view->position[i][3];
-        translation += 0.5 * v[3] * square(v);
-        out->rotation += 0.5 * w[3] * square(w);
+        if (!view->bodies) {
+            translation += 0.5 * v[3] * square(v);
+            out->rotation += 0.5 * w[3] * square(w);
+        }
         for (int a = 0; a < 3; a++)
             out->momentum[a] += v[3] * v[a];
         out->centre_z += v[3] * view->position[i][2];
         out->mass += v[3];
         out->volume += 4.0 / 3.0 * M_PI * r * r * r;
+    }
+    if (view->bodies)
+        out->volume = 0;
+    for (size_t k = 0; k < view->bodies; k++) {
+        const struct view_body *b = &view->body[k];
+        translation += 0.5 * b->mass * square(b->velocity);
+        out->rotation += 0.5 * (b->spin[0] * b->momentum[0] + b->spin[1] * b->momentum[1] + b->spin[2] * b->momentum[2]);
+        out->volume += b->volume;
     }
     double sides = 0;
     for (size_t k = 0; k < view->contacts; k++) {
@@ -133,12 +143,14 @@ static enum scree_status sample(void *state, struct measure_context *context, co
     return series_add(&s->series, context->sink, b->time_s, row, err);
 }
 
-static size_t numbers(const void *state, const struct measure_context *context, struct scree_number *out, size_t room)
+static size_t numbers(const void *state, const struct measure_context *context, const struct measure_now *now,
+                      struct scree_number *out, size_t room)
 {
+    (void)now;
     const struct measure_site *site = &context->site;
     const struct bulk *last = &context->last;
     double mean[WINDOW_VALUES];
-    if (site->area <= 0)
+    if (site->area_z <= 0)
         return 0;
     double from = window_means(&((const struct state *)state)->window, measure_window_from(context), mean);
     double d = site->diameter, g = hypot(context->gravity[0], context->gravity[2]);

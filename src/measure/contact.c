@@ -173,8 +173,10 @@ static enum scree_status sample(void *state, struct measure_context *context, co
     return series_add(&s->series, context->sink, context->time_s, row, err);
 }
 
-static size_t numbers(const void *state, const struct measure_context *context, struct scree_number *out, size_t room)
+static size_t numbers(const void *state, const struct measure_context *context, const struct measure_now *now,
+                      struct scree_number *out, size_t room)
 {
+    (void)now;
     struct scree_number all[CONTACT_NUMBERS];
     size_t count = contact_summary(&((const struct state *)state)->trace, context->job->time.step_s, all);
     return measure_numbers(out, room, all, count);

@@ -8,6 +8,14 @@
 
 #include "base/memory.h"
 
+static const struct scree_column columns[DEPOSIT_COLUMNS] = {
+    {"since_gate", "s"},       {"run_out", "m"},      {"furthest", "m"},     {"height_back", "m"},  {"fastest", "m/s"},
+    {"flowing_share", "1"},    {"inertial_q30", "1"}, {"inertial_q50", "1"}, {"inertial_q70", "1"}, {"surface_volume", "m3"},
+    {"overfull_volume", "m3"}, {"kinetic", "J"},      {"potential", "J"},
+};
+const struct scree_stream deposit_stream = {"deposit", "front, height, speed, inertial numbers and volume of a collapse", columns,
+                                            DEPOSIT_COLUMNS, false};
+
 enum scree_status deposit_lines_start(struct deposit_lines *lines, const struct continuum_view *view, struct scree_error *err)
 {
     lines->layers = (size_t)continuum_layers(view, 0);
@@ -97,7 +105,7 @@ static void look_at_points(const struct continuum_view *view, const struct depos
         const double *x = view->position[p], speed = speed_of(view->velocity[p]);
         out->fastest = fmax(out->fastest, speed);
         flowing += speed >= DEPOSIT_REST ? x[3] : 0;
-        if (x[2] > site->bed)
+        if (x[2] > site->bed + DEPOSIT_THRESHOLD) // the bed itself stirs by less
             out->furthest = fmax(out->furthest, x[0]);
     }
     out->flowing = flowing / view->volume;

@@ -5,8 +5,8 @@
 #ifndef SCREE_MEASURE_DEPOSIT_H
 #define SCREE_MEASURE_DEPOSIT_H
 
-#include "base/status.h"
 #include "continuum_view.h"
+#include "scree.h"
 
 /* Where the collapse takes place. */
 struct deposit_site {
@@ -22,7 +22,7 @@ struct deposit_site {
 struct deposit {
     double time_s;             // since the gate began to lift: negative before
     double run_out;            // from the gate to the end of the deposit deeper than 2 mm, m, at the side wall
-    double furthest;           // x of the furthest point above the bed, from the back wall, m
+    double furthest;           // x of the furthest point that is 2 mm above the bed, from the back wall, m
     double height_back;        // of the surface over the bed at the back wall, m
     double fastest;            // speed of the fastest point, m/s
     double flowing;            // share of the material that moves at 0.01 m/s or more
@@ -31,7 +31,10 @@ struct deposit {
     double overfull;           // volume of material that nodes hold beyond their room, m3
     double kinetic, potential; // J
 };
+
+/* A row of the stream `deposit`. */
 enum { DEPOSIT_COLUMNS = 13 };
+extern const struct scree_stream deposit_stream;
 
 /* Lines along the flow, one value a layer of nodes along x; and room for the quantiles. */
 struct deposit_lines {

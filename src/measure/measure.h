@@ -12,6 +12,7 @@
 
 #include "continuum_view.h"
 #include "measure/bulk.h"
+#include "measure/mobility.h"
 #include "measure/series.h"
 #include "measure/verdict.h"
 #include "scree.h"
@@ -21,9 +22,10 @@
 struct measure_site {
     double base_z, area; // height of the base's nominal top, basal area; area 0: there is no base, m, m2
     double diameter;     // of a grain, m
-    double area_z;       // area that profiles along z are per: the whole base, or its part within `region`, m2
+    double area_z;       // area that sums along z are per: the whole base, or its part within `region`; 0: nothing flows on it, m2
     double region[2];    // y of what counts, m: [from, to)
     double top_z;        // profiles reach up to here, m
+    struct mobility_site fall; // of flows that are let go and come to rest; count 0 for others
 };
 
 /* What measurements of one world share; the world keeps it. */
@@ -59,6 +61,7 @@ enum measure_needs {
     MEASURE_VIEW = 1 << 0,       // of grains or points
     MEASURE_BASE_FORCE = 1 << 1, // all that need it are due together
     MEASURE_FORMATIONS = 1 << 2, // contacts that form, through `formed`
+    MEASURE_END_VIEW = 1 << 3,   // a view for its numbers
 };
 
 struct measurement {
@@ -72,7 +75,8 @@ struct measurement {
     size_t stream_count;
     size_t buffers, buffer_count; // offset of its buffers
 
-    /* Taken even where it is not recorded: others rest on it. NULL: never. Its streams are not started then. */
+    /* Taken even where it is not recorded, since others rest on it; its streams are not started then. NULL: never.
+     * Of a measurement without name: whether it is taken at all; NULL: always. */
     bool (*wanted)(const struct measure_context *context);
     /* Series' capacity is `chunk(context)` rows; 0: chunks are frames. NULL: MEASURE_CHUNK. */
     size_t (*chunk)(const struct measure_context *context);
@@ -93,7 +97,8 @@ struct measurement {
     /* Forces have changed under a running world. */
     void (*steered)(void *state, const struct measure_context *context);
     /* Numbers for the summary; returns how many, at most `room`. */
-    size_t (*numbers)(const void *state, const struct measure_context *context, struct scree_number *out, size_t room);
+    size_t (*numbers)(const void *state, const struct measure_context *context, const struct measure_now *now,
+                      struct scree_number *out, size_t room);
     /* Bytes of the plain part that are in use, where its end need not be stored. NULL: all. */
     size_t (*used)(const void *state);
     /* Whether a restored state is one that can be: images come from outside. NULL: any is. */

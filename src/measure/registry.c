@@ -7,11 +7,12 @@
 #include "base/memory.h"
 #include "measure/measure.h"
 
-extern const struct measurement measure_basal_force, measure_bulk, measure_energy, measure_contact, measure_snapshots,
-    measure_grains;
+extern const struct measurement measure_basal_force, measure_bulk, measure_energy, measure_contact, measure_flow, measure_fragments,
+    measure_snapshots, measure_grains;
 
 const struct measurement *const measurement_list[] = {
-    &measure_basal_force, &measure_bulk, &measure_energy, &measure_contact, &measure_snapshots, &measure_grains,
+    &measure_basal_force, &measure_bulk,      &measure_energy,    &measure_contact,
+    &measure_flow,        &measure_fragments, &measure_snapshots, &measure_grains,
 };
 const size_t measurement_count = sizeof measurement_list / sizeof *measurement_list;
 _Static_assert(sizeof measurement_list / sizeof *measurement_list <= MEASUREMENTS_MAX, "worlds have room for all");

@@ -37,7 +37,7 @@ static int corners_of(const struct grid *g, const int place[3], struct corner co
             c[a] = place[a] - s[a];
             inside &= c[a] >= 0 && c[a] < g->cells[a];
         }
-        if (!inside || (g->plane && s[1]))
+        if (!inside || (g->flat[0] && s[0]) || (g->flat[1] && s[1]))
             continue;
         corners[count++] = (struct corner){grid_cell(g, c[0], c[1], c[2]), {s[0], s[1], s[2]}};
     }
@@ -119,18 +119,18 @@ static void couple_cell(const struct grid *g, const double m[MOMENT_ROOM], const
     for (int a = 0; a < 3; a++)
         for (int b = 0; b < 3; b++)
             p[a][b] = m + 9 * a + 3 * b;
-    int depth = g->plane ? 1 : 2, width = g->plane ? 1 : 3;
-    for (int tx = 0; tx < 2; tx++)
+    int length = g->flat[0] ? 1 : 2, depth = g->flat[1] ? 1 : 2, width = g->flat[1] ? 1 : 3;
+    for (int tx = 0; tx < length; tx++)
         for (int ty = 0; ty < depth; ty++)
             for (int tz = 0; tz < 2; tz++) {
-                int dx = tx - s[0], dy = g->plane ? 0 : ty - s[1] + 1, dz = tz - s[2];
-                double *c = coupling + 3 * (3 * ((dx + 1) * width + dy) + dz + 1);
+                int dx = g->flat[0] ? 0 : tx - s[0] + 1, dy = g->flat[1] ? 0 : ty - s[1] + 1, dz = tz - s[2];
+                double *c = coupling + 3 * (3 * (dx * width + dy) + dz + 1);
                 int x = s[0] + tx, y = s[1] + ty, z = s[2] + tz;
                 double cx = p[s[0]][y][z] + p[s[0] + 1][y][z];
                 double cy = p[x][s[1]][z] + p[x][s[1] + 1][z];
                 double cz = p[x][y][s[2]] + p[x][y][s[2] + 1];
-                c[0] += tx ? cx * g->inverse[0] : -cx * g->inverse[0];
-                c[1] += g->plane ? 0 : ty ? cy * g->inverse[1] : -cy * g->inverse[1];
+                c[0] += g->flat[0] ? 0 : tx ? cx * g->inverse[0] : -cx * g->inverse[0];
+                c[1] += g->flat[1] ? 0 : ty ? cy * g->inverse[1] : -cy * g->inverse[1];
                 c[2] += tz ? cz * g->inverse[2] : -cz * g->inverse[2];
             }
 }

@@ -4,11 +4,14 @@
 
 #include <math.h>
 
-void grid_start(struct grid *grid, const double length[3], const int cells[3], bool plane)
+void grid_start(struct grid *grid, const double length[3], const int cells[3], bool plane, bool layer)
 {
-    grid->plane = plane;
+    grid->plane = plane || layer;
+    grid->flat[0] = layer;
+    grid->flat[1] = grid->plane;
+    grid->flat[2] = false;
     for (int a = 0; a < 3; a++) {
-        bool flat = plane && a == 1;
+        bool flat = grid->flat[a];
         grid->cells[a] = flat ? 1 : cells[a];
         grid->length[a] = flat ? 1 : length[a];
         grid->spacing[a] = grid->length[a] / grid->cells[a];
@@ -34,8 +37,8 @@ static double hat_below(double s)
 
 double grid_hat_integral(const struct grid *grid, int axis, int layer, double low, double high)
 {
-    if (axis == 1 && grid->plane)
-        return low < high ? grid->length[1] : 0;
+    if (grid->flat[axis])
+        return low < high ? grid->length[axis] : 0;
     low = fmax(low, 0);
     high = fmin(high, grid->length[axis]);
     if (!(low < high))

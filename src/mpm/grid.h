@@ -4,7 +4,8 @@
  * Node arrays have a layer of ghosts all round, so that the 27 neighbours of any
  * node exist at fixed distances in memory; z runs fastest. A plane world is one
  * cell of unit depth in y with all material on its layer y = 0: the hat function
- * there is one and nothing depends on y. */
+ * there is one and nothing depends on y. A layer is a plane world that is flat along
+ * x in the same way: material may flow along x, and every place downstream is the same. */
 #ifndef SCREE_MPM_GRID_H
 #define SCREE_MPM_GRID_H
 
@@ -14,14 +15,15 @@
 struct grid {
     int cells[3];
     double length[3], spacing[3], inverse[3]; // m, m, 1/m
-    bool plane;
-    size_t stride[3]; // of nodes
+    bool plane;                               // two dimensions, x and z
+    bool flat[3];                             // nothing depends on this axis: y in a plane, x too in a layer
+    size_t stride[3];                         // of nodes
     size_t node_count, cell_count;
     double cell_volume; // m3
 };
 
-/* Fills *grid; in a plane world cells[1] and length[1] are taken as 1. */
-void grid_start(struct grid *grid, const double length[3], const int cells[3], bool plane);
+/* Fills *grid; along flat axes cells and length are taken as 1. A layer is a plane. */
+void grid_start(struct grid *grid, const double length[3], const int cells[3], bool plane, bool layer);
 
 static inline size_t grid_node(const struct grid *g, int x, int y, int z)
 {
@@ -47,7 +49,7 @@ static inline void grid_node_place(const struct grid *g, size_t node, int place[
 /* Layers of nodes that material can touch along an axis. */
 static inline int grid_layers(const struct grid *g, int axis)
 {
-    return axis == 1 && g->plane ? 1 : g->cells[axis] + 1;
+    return g->flat[axis] ? 1 : g->cells[axis] + 1;
 }
 
 /* The cell along one axis that holds a coordinate inside the box. */

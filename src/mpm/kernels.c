@@ -159,10 +159,11 @@ SIMD_INLINE unsigned visit(const struct field *f, struct local_axes axes, size_t
     row->stress_d = ld;
     row->stress_o = lo;
     const v4 zero = {0, 0, 0, 0};
-    if (m4_bits((m4)(dd != zero)) | m4_bits((m4)(dof != zero)))
+    if (m4_bits((m4)(dd != zero)) | m4_bits((m4)(dof != zero))) {
         scatter(f, row, c, turn_out(dd, dof, (const double(*)[4])row->basis));
-    if (row->contacts) // again: what the row just did to its own node is most of what the wall must answer
-        visit_contacts(f, row);
+        if (row->contacts) // again: what the row just did to its own node is most of what the wall must answer
+            visit_contacts(f, row);
+    }
     return stalls;
 }
 
@@ -245,8 +246,8 @@ static struct trilinear cell_velocity(const struct move *move, const int place[3
     struct trilinear t;
     double v[8][3];
     for (int k = 0; k < 8; k++) {
-        int y = move->grid->plane ? 0 : k >> 1 & 1; // nothing depends on y in a plane
-        const double *u = move->velocity[grid_node(move->grid, place[0] + (k >> 2), place[1] + y, place[2] + (k & 1))];
+        int x = move->grid->flat[0] ? 0 : k >> 2, y = move->grid->flat[1] ? 0 : k >> 1 & 1; // nothing depends on flat axes
+        const double *u = move->velocity[grid_node(move->grid, place[0] + x, place[1] + y, place[2] + (k & 1))];
         memcpy(v[k], u, sizeof v[k]);
     }
     for (int a = 0; a < 3; a++) {
@@ -350,7 +351,7 @@ static void move_cell(struct move *move, size_t cell)
     for (int a = 0; a < 3; a++) {
         corner[a] = v4_all(place[a]);
         inverse[a] = v4_all(g->inverse[a]);
-        length[a] = v4_all(a == 1 && g->plane ? 0 : g->length[a]);
+        length[a] = v4_all(g->flat[a] ? 0 : g->length[a]);
         step[a] = v4_all(move->step_s);
     }
     struct trilinear t = from < to ? cell_velocity(move, place) : (struct trilinear){{{0}}};

@@ -23,7 +23,7 @@ static enum scree_status check_numbers(const struct mpm_setup *s, struct scree_e
 {
     double nodes = 1;
     for (int a = 0; a < 3; a++) {
-        if (s->plane && a == 1)
+        if ((a == 1 && (s->plane || s->layer)) || (a == 0 && s->layer))
             continue;
         if (!(s->length[a] > 0 && s->length[a] < 1e6))
             return refuse(err, "length", "a side of the box must lie within 0..1e6 m");
@@ -57,7 +57,7 @@ static enum scree_status check_shapes(const struct mpm_setup *s, const struct gr
         for (int a = 0; a < 3; a++) {
             const struct mpm_region *region = &s->regions[r];
             double slack = 1e-9 * g->length[a];
-            if (g->plane && a == 1)
+            if (g->flat[a])
                 continue;
             if (!(region->low[a] >= -slack && region->low[a] < region->high[a] && region->high[a] <= g->length[a] + slack))
                 return refuse(err, "regions", "material must lie inside the box");
@@ -65,7 +65,7 @@ static enum scree_status check_shapes(const struct mpm_setup *s, const struct gr
     for (size_t k = 0; k < s->body_count; k++)
         for (int a = 0; a < 3; a++) {
             const struct mpm_body *body = &s->bodies[k];
-            if (g->plane && a == 1)
+            if (g->flat[a])
                 continue;
             if (!(body->low[a] < body->high[a]))
                 return refuse(err, "bodies", "a body's low corner must lie below its high one");
@@ -122,8 +122,9 @@ static enum scree_status make_rows(struct mpm *mpm, struct scree_error *err)
         most *= (size_t)grid_layers(g, a);
     f->runs = 0;
     f->plane = g->plane;
-    for (int x = -1; x <= 1; x++)
-        for (int y = g->plane ? 0 : -1; y <= (g->plane ? 0 : 1); y++)
+    int reach[2] = {g->flat[0] ? 0 : 1, g->flat[1] ? 0 : 1};
+    for (int x = -reach[0]; x <= reach[0]; x++)
+        for (int y = -reach[1]; y <= reach[1]; y++)
             f->run[f->runs++] = x * (ptrdiff_t)g->stride[0] + y * (ptrdiff_t)g->stride[1] - 1;
     f->coupling_stride = (size_t)f->runs * 9;
     mpm->slab_count = (size_t)(grid_layers(g, 0) + SLAB_LAYERS - 1) / SLAB_LAYERS;
@@ -169,7 +170,7 @@ enum scree_status mpm_start(const struct mpm_setup *setup, struct mpm **out, str
     struct mpm *mpm = memory_rows(1, sizeof *mpm);
     if (!mpm)
         return no_memory(err, "worlds", 1);
-    grid_start(&mpm->grid, setup->length, setup->cells, setup->plane);
+    grid_start(&mpm->grid, setup->length, setup->cells, setup->plane, setup->layer);
     mpm->step_s = setup->step_s;
     memcpy(mpm->gravity, setup->gravity, sizeof mpm->gravity);
     mpm->tilt = setup->tilt;

@@ -58,8 +58,8 @@ static struct lattice lattice_of(const struct grid *grid, const struct mpm_regio
 {
     struct lattice l = {.volume = 1};
     for (int a = 0; a < 3; a++) {
-        bool flat = a == 1 && grid->plane;
-        double size = flat ? grid->length[1] : region->high[a] - region->low[a];
+        bool flat = grid->flat[a];
+        double size = flat ? grid->length[a] : region->high[a] - region->low[a];
         l.count[a] = flat ? 1 : (int)fmax(1, round(size * grid->inverse[a] * per_cell));
         l.low[a] = flat ? 0 : region->low[a];
         l.pitch[a] = size / l.count[a];
@@ -81,7 +81,7 @@ static void lattice_point(const struct grid *grid, const struct lattice *l, size
                     n % (size_t)l->count[2]};
     for (int a = 0; a < 3; a++) {
         double off = 0.5 + jitter * rng_uniform(rng, -0.5, 0.5);
-        position[a] = a == 1 && grid->plane ? 0 : l->low[a] + ((double)at[a] + off) * l->pitch[a];
+        position[a] = grid->flat[a] ? 0 : l->low[a] + ((double)at[a] + off) * l->pitch[a];
     }
     position[3] = l->volume;
 }

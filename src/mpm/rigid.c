@@ -39,7 +39,7 @@ void rigid_tilt(struct mpm *mpm)
 static bool on_face(const struct mpm *mpm, const int place[3], int face)
 {
     int axis = face / 2;
-    if (axis == 1 && mpm->grid.plane)
+    if (mpm->grid.flat[axis])
         return false;
     return place[axis] == (face % 2 ? mpm->grid.cells[axis] : 0);
 }
@@ -89,7 +89,7 @@ static bool body_side(const struct mpm *mpm, const int place[3], const double lo
     double best = INFINITY;
     int side = -1;
     for (int a = 0; a < 3; a++) {
-        if (a == 1 && mpm->grid.plane)
+        if (mpm->grid.flat[a])
             continue;
         double x = place[a] * mpm->grid.spacing[a], slack = 1e-6 * mpm->grid.spacing[a];
         double below = x - low[a], above = high[a] - x;

@@ -27,7 +27,7 @@ static void show_node(struct mpm *mpm, const int place[3], size_t at)
     double volume = 0, momentum[3] = {0, 0, 0};
     for (int k = 0; k < CORNERS; k++) {
         int s[3] = {k >> 2, k >> 1 & 1, k & 1}, c[3];
-        bool inside = !(g->plane && s[1]);
+        bool inside = !(g->flat[0] && s[0]) && !(g->flat[1] && s[1]);
         for (int a = 0; a < 3; a++) {
             c[a] = place[a] - s[a];
             inside &= c[a] >= 0 && c[a] < g->cells[a];
@@ -70,7 +70,7 @@ static void show_points(struct mpm *mpm)
         }
         for (int k = 0; k < CORNERS; k++) {
             int c[3] = {k >> 2, k >> 1 & 1, k & 1};
-            if (g->plane && c[1])
+            if ((g->flat[0] && c[0]) || (g->flat[1] && c[1]))
                 continue;
             double weight = n[0][c[0]] * n[1][c[1]] * n[2][c[2]];
             size_t at = ((size_t)(cell[0] + c[0]) * (size_t)layers[1] + (size_t)(cell[1] + c[1])) * (size_t)layers[2] +
@@ -111,6 +111,7 @@ enum scree_status mpm_view(struct mpm *mpm, struct continuum_view *view, struct 
                                     .step = mpm->step,
                                     .density = mpm->density,
                                     .plane = g->plane,
+                                    .layer = g->flat[0],
                                     .points = mpm->points,
                                     .id = mpm->id,
                                     .position = (const double(*)[4])mpm->position,

@@ -5,6 +5,7 @@
 #define SCREE_SCENARIO_SCENARIO_H
 
 #include "dem/dem.h"
+#include "geom/chute.h"
 #include "spec/spec.h"
 
 struct scenario {
@@ -15,6 +16,13 @@ struct scenario {
     void (*gravity)(const struct job_spec *job, double gravity[3]);
     /* Height of the nominal top of the base and basal area, for bulk measurements; area 0: none. */
     void (*base)(const struct job_spec *job, double *z, double *area_m2);
+    const struct law *law; // that its worlds go by; NULL: hertz-mindlin-rolling
+    /* Size of a grain, m; NULL: the material's median diameter. */
+    double (*grain)(const struct job_spec *job);
+    /* Flows that are let go and come to rest; NULL for others. Where bodies start, by
+     * id: x, y, z, mass; owned by the caller. The chute they run down. */
+    enum scree_status (*release)(const struct job_spec *job, double (**place)[4], size_t *count, struct scree_error *err);
+    struct chute (*chute)(const struct job_spec *job);
 };
 const struct scenario *scenario_implementation(const char *name);
 

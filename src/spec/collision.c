@@ -129,6 +129,8 @@ static enum scree_status collision_check(const struct job_spec *job, struct scre
     double r2 = p->radius2_m > 0 ? p->radius2_m : job->material.radius_m;
     as.material.radius_m = p->partner == PARTNER_PLANE || r1 < r2 ? r1 : r2;
     enum scree_status status = check_step(&as, p->speed_m_s, err);
+    if (!status)
+        status = check_flow_only_in_chute(job, err);
     return status ? status : check_intervals(job, err);
 }
 

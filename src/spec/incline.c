@@ -98,6 +98,8 @@ static enum scree_status incline_check(const struct job_spec *job, struct scree_
     struct job_spec as = *job; // contacts last shortest between the smallest grains
     as.material.radius_m *= 1 - job->material.radius_spread;
     enum scree_status status = check_step(&as, speed, err);
+    if (!status)
+        status = check_flow_only_in_chute(job, err);
     return status ? status : check_intervals(job, err);
 }
 

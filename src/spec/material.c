@@ -150,7 +150,31 @@ const struct material_preset material_presets[] = {
                 .beta_r_s = 2e-3,
                 .mu_r = 0.0175,
                 .torsion_factor = 16.0 / 3.0}},
+    {.name = "igneous-fragments",
+     .doc = "angular fragments of an igneous rock upon clay and aluminium, as in flows down a curved chute",
+     .source = "seed 003 Tables 1 and 2",
+     .note = "At full stiffness steps are some 1e-7 s. softening = 1000 makes them 32 times longer; say what overlap was reached.",
+     .kind = &material_fragments,
+     .others = &fragment_igneous},
 };
+const struct material_kind material_beads = {"hertz-mindlin-rolling", &material_table};
+const struct material_kind material_fragments = {"hertz-mindlin-tsuji", &fragment_table};
+
+const struct material_kind *material_preset_kind(const struct material_preset *preset)
+{
+    return preset->kind ? preset->kind : &material_beads;
+}
+
+const void *material_preset_values(const struct material_preset *preset)
+{
+    return preset->kind ? preset->others : &preset->values;
+}
+
+const struct material_kind *scenario_material(const struct scenario_fields *scenario)
+{
+    return material_preset_kind(material_preset_find(scenario->material));
+}
+
 const size_t material_preset_count = sizeof material_presets / sizeof *material_presets;
 
 const struct material_preset *material_preset_find(const char *name)

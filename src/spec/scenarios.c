@@ -8,7 +8,8 @@
 
 #include "base/text.h"
 
-const struct scenario_fields *const scenario_list[] = {&scenario_incline_fields, &scenario_collision_fields};
+const struct scenario_fields *const scenario_list[] = {&scenario_incline_fields, &scenario_collision_fields,
+                                                       &scenario_chute_fields};
 const size_t scenario_count = sizeof scenario_list / sizeof *scenario_list;
 
 const struct scenario_fields *scenario_find(const char *name)
@@ -49,6 +50,13 @@ static enum scree_status check_interval(double every_s, double step_s, const cha
         return SCREE_OK;
     return scree_fail(err, SCREE_INVALID, path, "%s: %s s is below the time step of %s s", path, text_real(every_s, every),
                       text_real(step_s, step));
+}
+
+enum scree_status check_flow_only_in_chute(const struct job_spec *job, struct scree_error *err)
+{
+    if (!job->record.flow.on)
+        return SCREE_OK;
+    return scree_fail(err, SCREE_INVALID, "record.flow", "record.flow: is for scenario chute, where a flow has a front and an end");
 }
 
 enum scree_status check_intervals(const struct job_spec *job, struct scree_error *err)

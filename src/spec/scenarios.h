@@ -5,8 +5,8 @@
 
 #include "spec/spec.h"
 
-extern const struct scenario_fields scenario_incline_fields, scenario_collision_fields, scenario_collapse_fields,
-    scenario_tilt_fields;
+extern const struct scenario_fields scenario_incline_fields, scenario_collision_fields, scenario_chute_fields,
+    scenario_collapse_fields, scenario_tilt_fields;
 
 /* Refuses a time step too long for the material at impacts of `speed`, m/s. */
 enum scree_status check_step(const struct job_spec *job, double speed, struct scree_error *err);
@@ -17,6 +17,9 @@ enum scree_status continuum_check(const struct job_spec *job, const struct conti
 
 /* Bytes of a world of that many points and cells. */
 double continuum_bytes(double points, double cells);
+
+/* Refuses record.flow. */
+enum scree_status check_flow_only_in_chute(const struct job_spec *job, struct scree_error *err);
 
 /* Refuses record intervals shorter than a step. */
 enum scree_status check_intervals(const struct job_spec *job, struct scree_error *err);

@@ -28,11 +28,23 @@ struct material_spec {
 };
 extern const struct field_table material_table;
 
+/* A kind of material: the struct that a law takes, by its table. Each struct
+ * begins with `char preset[48]` and fits the union in struct job_spec. */
+struct material_kind {
+    const char *law; // its name
+    const struct field_table *table;
+};
+extern const struct material_kind material_beads, material_fragments;
+
 /* A published material: its values and what a reader must know about them. */
 struct material_preset {
     const char *name, *doc, *source, *note; // note: errata worth a warning, "" if none
-    struct material_spec values;
+    const struct material_kind *kind;       // NULL: material_beads
+    struct material_spec values;            // of beads
+    const void *others;                     // of another kind: its struct
 };
+const struct material_kind *material_preset_kind(const struct material_preset *preset);
+const void *material_preset_values(const struct material_preset *preset); // the kind's struct
 extern const struct material_preset material_presets[];
 extern const size_t material_preset_count;
 const struct material_preset *material_preset_find(const char *name);
@@ -47,6 +59,38 @@ double material_contact_time(const struct material_spec *m, double speed);
  * grains that meet at `speed` is still integrated stably, s: see material.c for
  * the bound and its derivation. */
 double material_stable_step(const struct material_spec *m, double speed);
+
+/* ---- material: angular fragments of seed 003 (law "hertz-mindlin-tsuji") ---- */
+
+/* What a clast may touch: Table 2's columns. */
+enum fragment_partner { FRAGMENT_CLAST, FRAGMENT_CHUTE, FRAGMENT_GATE, FRAGMENT_PARTNERS };
+struct fragment_matter { // Table 1
+    double shear_Pa;     // G
+    double poisson;      // nu
+};
+struct fragment_pair { // Table 2
+    double restitution;
+    double friction; // static, mu_s
+    double rolling;  // mu_r of eq. 13
+};
+struct fragment_spec {
+    char preset[48];
+    double density_kg_m3; // of the clasts
+    struct fragment_matter clast, chute, gate;
+    struct fragment_pair clast_clast, clast_chute, clast_gate;
+    double softening; // moduli are divided by it in every contact
+    bool clamp;       // normal forces never pull (as published they do, at the end of a contact)
+};
+extern const struct field_table fragment_table;
+extern const struct fragment_spec fragment_igneous; // Tables 1 and 2
+
+const struct fragment_matter *fragment_matter_of(const struct fragment_spec *m, int partner);
+const struct fragment_pair *fragment_pair_of(const struct fragment_spec *m, int partner);
+double fragment_young_modulus(const struct fragment_matter *m); // E = 2 G (1 + nu), Pa
+/* Time that a Rayleigh wave takes around a clast's sphere, softening included
+ * (targets S3-15): pi R sqrt(rho / G) / (0.1631 nu + 0.8766), s. Time steps are
+ * a share of it. */
+double fragment_rayleigh_time(const struct fragment_spec *m, double radius_m);
 
 /* ---- time, stop, record ---- */
 
@@ -71,6 +115,7 @@ struct record_spec {
     struct record_every bulk;         // kinetic and elastic energy, centre of mass, speeds: what verdicts rest on
     struct record_every energy;       // ledger: gravity's work, kinetic, elastic, dissipated
     struct record_every snapshots;    // every grain's state
+    struct record_every flow;         // scenario chute: where the flow is, its agitation and losses
     struct record_every contact;      // scenario collision: overlap and forces of the one contact
 };
 
@@ -90,7 +135,10 @@ struct job_spec {
     int64_t threads;
     int64_t priority;
     _Alignas(16) unsigned char params[SPEC_PARAMS_MAX]; // the scenario's own struct
-    struct material_spec material;
+    union {                                             // by the scenario's kind of material
+        struct material_spec material;                  // beads
+        struct fragment_spec fragments;                 // fragments
+    };
     struct time_spec time;
     struct stop_spec stop;
     struct record_spec record;
@@ -106,7 +154,7 @@ enum scenario_kind { SCENARIO_DEM, SCENARIO_MPM };
 struct scenario_fields {
     const char *name, *doc, *source;
     enum scenario_kind kind;
-    const char *material;             // default preset
+    const char *material;             // default preset; its kind is the scenario's
     const struct field_table *params; // its struct fits SPEC_PARAMS_MAX
     /* Overwrites those of the job's defaults that differ for this scenario. */
     void (*defaults)(struct job_spec *job);
@@ -128,6 +176,8 @@ struct job_cost {
 extern const struct scenario_fields *const scenario_list[];
 extern const size_t scenario_count;
 const struct scenario_fields *scenario_find(const char *name);
+/* The kind of material that a scenario takes, and a job's table of it. */
+const struct material_kind *scenario_material(const struct scenario_fields *scenario);
 
 /* ---- params of each scenario ---- */
 
@@ -186,6 +236,19 @@ struct tilt_params { // seed 002, section 2.4: a bed in a box that is tilted ste
     bool plane;
     int64_t cells_x, cells_y, cells_z;
     struct continuum_spec continuum;
+};
+
+enum chute_accelerator { ACCELERATOR_CHUTE, ACCELERATOR_GATE };
+struct chute_params { // seed 003: angular fragments down a curved chute
+    double mass_g, size_m;
+    double cubes, halves;       // shares of the mass; the rest are quarters
+    int64_t spheres;            // along a cube's edge: 2 or 4
+    double space_mass_g;        // that the space behind the gate is made for; 0: mass_g
+    double space_density_kg_m3; // of such a filling
+    int accelerator;            // whose matter it has
+    double gate_m_s;            // speed at which the gate slides off; 0: it vanishes at the start
+    double gravity_m_s2;
+    double floor_m, width_m, side_deg, guard_m, run_m, gate_m, flatness; // geometry; flatness in sizes
 };
 
 /* Fills a job with the defaults of a scenario and its preset material. */

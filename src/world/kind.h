@@ -27,7 +27,8 @@ struct world_kind {
     /* Whether there is such a set-up; what the job's params say of it as they now stand. */
     bool (*knows)(const struct job_spec *job);
     void (*gravity)(const struct job_spec *job, double gravity[3]);
-    void (*site)(const struct job_spec *job, struct measure_site *site);
+    /* Where it is measured; site->fall.release is owned by the caller. */
+    enum scree_status (*site)(const struct job_spec *job, struct measure_site *site, struct scree_error *err);
 
     enum scree_status (*build)(const struct job_spec *job, const struct world_making *making, void **body, struct scree_error *err);
     void (*free)(void *body); // NULL is none

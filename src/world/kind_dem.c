@@ -25,11 +25,24 @@ static void gravity(const struct job_spec *job, double out[3])
     scenario_implementation(job->scenario->name)->gravity(job, out);
 }
 
-static void site(const struct job_spec *job, struct measure_site *out)
+static enum scree_status site(const struct job_spec *job, struct measure_site *out, struct scree_error *err)
 {
-    *out = (struct measure_site){.diameter = 2 * job->material.radius_m, .region = {-INFINITY, INFINITY}};
-    scenario_implementation(job->scenario->name)->base(job, &out->base_z, &out->area);
-    out->area_z = out->area;
+    const struct scenario *scenario = scenario_implementation(job->scenario->name);
+    *out = (struct measure_site){.region = {-INFINITY, INFINITY}};
+    out->diameter = scenario->grain ? scenario->grain(job) : 2 * job->material.radius_m;
+    scenario->base(job, &out->base_z, &out->area);
+    if (!scenario->release) {
+        out->area_z = out->area;
+        return SCREE_OK;
+    }
+    double(*release)[4];
+    enum scree_status status = scenario->release(job, &release, &out->fall.count, err);
+    if (status)
+        return status;
+    out->fall.release = (const double(*)[4])release;
+    out->fall.chute = scenario->chute(job);
+    out->fall.grain_m = out->diameter;
+    return SCREE_OK;
 }
 
 static enum scree_status make_body(struct body **out, struct scree_error *err)
@@ -112,7 +125,8 @@ static enum scree_status save(const void *body, struct world_image *image, struc
         return status;
     const struct dem_scalars *s = &d.scalars;
     /* The contact arrays are handed over. */
-    void *const arrays[] = {d.keys, d.contact, d.out, d.wall_keys, d.wall_contact, d.wall_out, d.wall_overlap};
+    void *const arrays[] = {d.keys,    d.contact, d.out,    d.wall_keys, d.wall_contact, d.wall_out, d.wall_overlap,
+                            d.surface, d.vertex,  d.corner, d.partner,   d.mesh_pair,    d.body};
     for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
         image->owned[image->owned_count++] = arrays[k];
     world_image_add(image, "position", ARRAY_REAL, 4 * s->grains, d.position);
@@ -128,6 +142,18 @@ static enum scree_status save(const void *body, struct world_image *image, struc
     world_image_add(image, "wall.memory", ARRAY_REAL, s->wall_contacts * CONTACT_SLOTS, d.wall_contact);
     world_image_add(image, "wall.force", ARRAY_REAL, s->wall_contacts * sizeof *d.wall_out / sizeof(double), d.wall_out);
     world_image_add(image, "wall.overlap", ARRAY_REAL, s->wall_contacts, d.wall_overlap);
+    world_image_add(image, "surfaces", ARRAY_BYTES, s->surfaces * sizeof *d.surface, d.surface);
+    world_image_add(image, "surface.vertex", ARRAY_REAL, 3 * s->vertices, d.vertex);
+    world_image_add(image, "surface.corner", ARRAY_U32, 3 * s->triangles, d.corner);
+    world_image_add(image, "surface.partner", ARRAY_BYTES, s->triangles, d.partner);
+    world_image_add(image, "surface.contact", ARRAY_BYTES, s->mesh_contacts * sizeof *d.mesh_pair, d.mesh_pair);
+    if (s->bodies) {
+        world_image_add(image, "body", ARRAY_REAL, 4 * DEM_BODY_ROWS * s->bodies, d.body);
+        world_image_add(image, "body.offset", ARRAY_REAL, 4 * s->moving, d.offset);
+        world_image_add(image, "body.first", ARRAY_U32, s->bodies + 1, d.body_first);
+        world_image_add(image, "body.id", ARRAY_U32, s->bodies, d.body_id);
+        world_image_add(image, "body.shape", ARRAY_U32, s->bodies, d.body_shape);
+    }
     return world_image_copy(image, "grains", s, sizeof *s, err);
 }
 
@@ -140,7 +166,9 @@ static enum scree_status load(const struct world_image *image, const struct worl
         return world_image_damaged("grains", err);
     memcpy(&d.scalars, scalars, sizeof d.scalars);
     const struct dem_scalars *s = &d.scalars;
-    if (s->grains > SPEC_GRAINS_MAX || s->contacts > 64 * s->grains || s->wall_contacts > 64 * s->grains || s->walls > 1000)
+    if (s->grains > SPEC_GRAINS_MAX || s->contacts > 64 * s->grains || s->wall_contacts > 64 * s->grains || s->walls > 1000 ||
+        s->bodies > s->moving || s->surfaces > 1000 || s->vertices > TRIMESH_VERTICES_MAX || s->triangles > TRIMESH_TRIANGLES_MAX ||
+        s->mesh_contacts > 64 * s->grains)
         return world_image_damaged("grains", err);
     d.position = world_image_need(image, "position", ARRAY_REAL, 4 * s->grains);
     d.velocity = world_image_need(image, "velocity", ARRAY_REAL, 4 * s->grains);
@@ -158,11 +186,28 @@ static enum scree_status load(const struct world_image *image, const struct worl
     if (!d.position || !d.velocity || !d.spin || !d.mass || !d.id || !d.walls || !d.keys || !d.contact || !d.out || !d.wall_keys ||
         !d.wall_contact || !d.wall_out || !d.wall_overlap)
         return world_image_damaged("an array of grains or contacts", err);
+    d.surface = world_image_need(image, "surfaces", ARRAY_BYTES, s->surfaces * sizeof *d.surface);
+    d.vertex = world_image_need(image, "surface.vertex", ARRAY_REAL, 3 * s->vertices);
+    d.corner = world_image_need(image, "surface.corner", ARRAY_U32, 3 * s->triangles);
+    d.partner = world_image_need(image, "surface.partner", ARRAY_BYTES, s->triangles);
+    d.mesh_pair = world_image_need(image, "surface.contact", ARRAY_BYTES, s->mesh_contacts * sizeof *d.mesh_pair);
+    if (!d.surface || !d.vertex || !d.corner || !d.partner || !d.mesh_pair)
+        return world_image_damaged("an array of the walls", err);
+    if (s->bodies) {
+        d.body = world_image_need(image, "body", ARRAY_REAL, 4 * DEM_BODY_ROWS * s->bodies);
+        d.offset = world_image_need(image, "body.offset", ARRAY_REAL, 4 * s->moving);
+        d.body_first = world_image_need(image, "body.first", ARRAY_U32, s->bodies + 1);
+        d.body_id = world_image_need(image, "body.id", ARRAY_U32, s->bodies);
+        d.body_shape = world_image_need(image, "body.shape", ARRAY_U32, s->bodies);
+        if (!d.body || !d.offset || !d.body_first || !d.body_id || !d.body_shape)
+            return world_image_damaged("an array of the bodies", err);
+    }
     struct body *b;
     enum scree_status status = make_body(&b, err);
     if (status)
         return status;
-    status = dem_load(&d, &image->job.material, making->isa, making->threads, &b->dem, err);
+    const struct law *law = scenario_implementation(image->job.scenario->name)->law;
+    status = dem_load(&d, law, &image->job.material, making->isa, making->threads, &b->dem, err);
     if (status)
         release(b);
     else

@@ -50,8 +50,9 @@ static enum scree_status start_measurements(struct scree_world *w, struct scree_
 {
     for (size_t k = 0; k < measurement_count; k++) {
         const struct measurement *what = measurement_list[k];
-        bool recorded = !what->name || record_find(&w->job, what->name).on;
-        if (what->kind != w->kind->kind || (!recorded && !(what->wanted && what->wanted(&w->context))))
+        bool wanted = what->wanted ? what->wanted(&w->context) : !what->name;
+        bool recorded = what->name ? record_find(&w->job, what->name).on : wanted;
+        if (what->kind != w->kind->kind || (!recorded && !wanted))
             continue;
         struct measured *m = &w->measured[w->measured_count];
         *m = (struct measured){.what = what, .recorded = recorded, .every = world_every(what, &w->job)};
@@ -115,9 +116,10 @@ enum scree_status world_prepare(const struct job_spec *job, const struct scree_o
     w->end_step = (uint64_t)fmax(1, round(job->time.end_s / job->time.step_s));
     w->context.job = &w->job;
     w->context.sink = &w->sink;
-    kind->site(job, &w->context.site);
     kind->gravity(job, w->context.gravity);
-    enum scree_status status = start_measurements(w, err);
+    enum scree_status status = kind->site(job, &w->context.site, err);
+    if (!status)
+        status = start_measurements(w, err);
     if (status)
         scree_world_free(w);
     else
@@ -163,6 +165,7 @@ void scree_world_free(struct scree_world *w)
             free(measure_buffers(what, state)[b].values);
         free(state);
     }
+    free((void *)(uintptr_t)w->context.site.fall.release);
     free(w);
 }
 
@@ -275,11 +278,14 @@ struct scree_progress scree_world_progress(const struct scree_world *w)
 
 size_t scree_world_summary(const struct scree_world *w, struct scree_number numbers[SCREE_SUMMARY_MAX])
 {
+    struct measure_now now = {0};
     size_t count = 0;
-    for (size_t k = 0; k < w->measured_count && w->step > 0; k++) {
+    if (w->step == 0 || (w->making.needs & MEASURE_END_VIEW && w->kind->view(w->body, &now, NULL)))
+        return 0;
+    for (size_t k = 0; k < w->measured_count; k++) {
         const struct measured *m = &w->measured[k];
         if (m->what->numbers)
-            count += m->what->numbers(m->state, &w->context, numbers + count, SCREE_SUMMARY_MAX - count);
+            count += m->what->numbers(m->state, &w->context, &now, numbers + count, SCREE_SUMMARY_MAX - count);
     }
     return count;
 }

@@ -290,6 +290,41 @@ static void flowing_nodes_are_on_the_cone(void **state)
     mpm_free(mpm);
 }
 
+/* An endless layer on a rough slope under mu(I): tan(theta) = mu(I) at every depth, so that the shear rate is
+ * 2 I/d sqrt(p/rho_I) (||e|| is half of it) and
+ *     u(z) = 4 I/(3 d) sqrt(rho g cos(theta) / rho_I) (h^(3/2) - (h - z)^(3/2)). */
+static void endless_layer_flows_as_bagnold_says(void **state)
+{
+    (void)state;
+    const double h = 0.05, angle = atan(0.46), d = 0.005;
+    const struct mpm_region region = {{0, 0, 0}, {1, 0, h}};
+    struct mpm_setup s = continuum_box(1, 0, 22, &region);
+    s.layer = true;
+    s.length[2] = 0.055;
+    s.walls[MPM_Z_LOW].kind = MPM_STICK;
+    s.law = &mpm_law_mu_i;
+    s.coefs = (struct mpm_law_coefs){.mu = 0.38, .mu_2 = 0.64, .inertial0 = 0.279};
+    s.grain_diameter = d;
+    s.inertial_density = s.density / 0.6;
+    s.gravity[0] = g * sin(angle);
+    s.gravity[2] = -g * cos(angle);
+    struct mpm *mpm = continuum_start(&s);
+    continuum_run(mpm, 6000);
+    struct continuum_view view = continuum_view(mpm);
+    double inertial = 0.279 * (0.46 - 0.38) / (0.64 - 0.46), scale = 4 * inertial / (3 * d) * sqrt(0.6 * g * cos(angle));
+    for (int z = 2; z <= 18; z++) {
+        size_t n = continuum_node(&view, 0, 0, z);
+        double depth = h - 0.0025 * z, expect = scale * (pow(h, 1.5) - pow(depth, 1.5));
+        assert_true(fabs(view.node_velocity[n][0] - expect) < 0.02 * scale * pow(h, 1.5));
+        assert_true(fabs(view.stress[n][2] - s.density * g * cos(angle) * depth) < 0.01 * s.density * g * h);
+        assert_true(fabs(view.stress[n][6] - inertial) < 0.05 * inertial);
+    }
+    double force[3];
+    mpm_take_base_force(mpm, force);
+    assert_true(fabs(-view.base_force[0] / view.base_force[2] - 0.46) < 0.01);
+    mpm_free(mpm);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -304,6 +339,7 @@ int main(void)
         cmocka_unit_test(frame_does_not_matter),
         cmocka_unit_test(laws_have_their_limits),
         cmocka_unit_test(flowing_nodes_are_on_the_cone),
+        cmocka_unit_test(endless_layer_flows_as_bagnold_says),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

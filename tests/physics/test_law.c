@@ -42,7 +42,7 @@ static void pair_start(struct pair *p, const struct material_spec *m, double r1,
     p->contact[0][CONTACT_R] = r1 * r2 / (r1 + r2);
     p->contact[0][CONTACT_R1] = r1;
     p->contact[0][CONTACT_R2] = r2;
-    law->coefs(m, step, &p->coefs);
+    law->coefs(m, 0, step, &p->coefs);
 }
 
 static void pair_force(struct pair *p)
@@ -342,7 +342,7 @@ static void kernels_have_the_bits_of_the_plain_law(void **state)
     (void)state;
     struct material_spec m = glass();
     struct law_coefs coefs;
-    law->coefs(&m, step, &coefs);
+    law->coefs(&m, 0, step, &coefs);
     for (enum cpu_isa isa = CPU_V2; isa < CPU_ISA_COUNT; isa++) {
         if (!cpu_has(isa)) {
             print_message("%s: not on this machine, left out\n", cpu_isa_name(isa));

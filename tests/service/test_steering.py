@@ -109,6 +109,15 @@ class Steering(unittest.TestCase):
         self.assertEqual(record["spec"]["params"]["slope_deg"], 29)
         self.assertEqual([c["step"] for c in record["steering"] if c["op"] == "set"], [step])
 
+    def test_the_same_value_twice_waits_twice(self):
+        # The second is no change to the first, which waits, but is one to the world: it must not slip past it.
+        self.start()
+        job = self.running(tiny(end_s=0.25))
+        self.control.ask("pause", {"job": job})
+        for _ in range(2):
+            self.assertIsNone(self.control.ask("set", {"job": job, "set": ["params.slope_deg=29"]})["step"])
+        self.assertEqual(self.control.ask("show", {"job": job})["spec"]["params"]["slope_deg"], 26)
+
     def test_queued_job_can_be_set_and_paused(self):
         self.start()
         self.running()

@@ -97,7 +97,22 @@ static void add_table(cJSON *schema, const struct field_table *table, bool defau
     cJSON_Delete(fields);
 }
 
-/* if scenario is this one, then params are its own and these are the defaults. */
+/* Of one kind: its presets and its table. */
+static cJSON *material_schema(const struct material_kind *kind)
+{
+    cJSON *schema = object_schema(false), *preset = type_schema("string"), *names = cJSON_CreateArray();
+    for (size_t k = 0; k < material_preset_count; k++)
+        if (material_preset_kind(&material_presets[k]) == kind)
+            cJSON_AddItemToArray(names, cJSON_CreateString(material_presets[k].name));
+    json_put(preset, "enum", names);
+    json_put_text(preset, "description", "the published material that the other values start from");
+    json_put_text(schema, "description", kind->table->doc);
+    json_put(cJSON_GetObjectItemCaseSensitive(schema, "properties"), "preset", preset);
+    add_table(schema, kind->table, false);
+    return schema;
+}
+
+/* if scenario is this one, then params and material are its own and these are the defaults. */
 static cJSON *scenario_branch(const struct scenario_fields *scenario)
 {
     cJSON *branch = cJSON_CreateObject(), *when = cJSON_CreateObject(), *then = cJSON_CreateObject();
@@ -111,24 +126,12 @@ static cJSON *scenario_branch(const struct scenario_fields *scenario)
     json_put_text(params, "description", scenario->doc);
     add_table(params, scenario->params, true);
     json_put(properties, "params", params);
+    json_put(properties, "material", material_schema(scenario_material(scenario)));
     json_put(then, "properties", properties);
     job_defaults(&job, scenario);
     json_put(then, "default", job_encode(&job));
     json_put(branch, "then", then);
     return branch;
-}
-
-static cJSON *material_schema(void)
-{
-    cJSON *schema = object_schema(false), *preset = type_schema("string"), *names = cJSON_CreateArray();
-    for (size_t k = 0; k < material_preset_count; k++)
-        cJSON_AddItemToArray(names, cJSON_CreateString(material_presets[k].name));
-    json_put(preset, "enum", names);
-    json_put_text(preset, "description", "the published material that the other values start from");
-    json_put_text(schema, "description", material_table.doc);
-    json_put(cJSON_GetObjectItemCaseSensitive(schema, "properties"), "preset", preset);
-    add_table(schema, &material_table, false);
-    return schema;
 }
 
 char *schema_text(void)
@@ -149,7 +152,7 @@ char *schema_text(void)
     json_put(scenario, "enum", names);
     json_put(properties, "scenario", scenario);
     json_put(properties, "params", type_schema("object"));
-    json_put(properties, "material", material_schema());
+    json_put(properties, "material", type_schema("object"));
     json_put(schema, "properties", properties);
     add_table(schema, &job_table, false);
     json_put(schema, "allOf", branches);

@@ -22,7 +22,7 @@ static double shape(const struct grid *g, const int place[3], const double x[3],
     double n[3], d[3];
     for (int a = 0; a < 3; a++) {
         double s = x[a] * g->inverse[a] - place[a];
-        bool flat = a == 1 && g->plane;
+        bool flat = g->flat[a];
         n[a] = flat ? 1 : hat(s);
         d[a] = flat ? 0 : hat_slope(s) * g->inverse[a];
     }

@@ -1,0 +1,248 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Scenario `chute` as the user sees it. */
+#include <math.h>
+
+#include "base/text.h"
+#include "spec/scenarios.h"
+
+#define AT(member) .offset = offsetof(struct chute_params, member)
+
+static const char *const accelerators[] = {"chute", "gate", NULL};
+
+static const struct field fields[] = {
+    {.name = "mass_g",
+     .type = FIELD_REAL,
+     AT(mass_g),
+     .min = 1e-3,
+     .max = 1e6,
+     .preset = 27,
+     .unit = "g",
+     .doc = "mass of the flow",
+     .source = "seed 003 3.1"},
+    {.name = "size_m",
+     .type = FIELD_REAL,
+     AT(size_m),
+     .min = 1e-5,
+     .max = 1,
+     .preset = 2e-3,
+     .unit = "m",
+     .doc = "grain size: edge of the cubes, longest edge of all",
+     .source = "seed 003 3.1"},
+    {.name = "cubes",
+     .type = FIELD_REAL,
+     AT(cubes),
+     .min = 0,
+     .max = 1,
+     .preset = 0.38,
+     .unit = "",
+     .doc = "share of cubes in the mass",
+     .source = "seed 003 3.1"},
+    {.name = "halves",
+     .type = FIELD_REAL,
+     AT(halves),
+     .min = 0,
+     .max = 1,
+     .preset = 0.22,
+     .unit = "",
+     .doc = "share of half cubes in the mass; the rest are quarters",
+     .source = "seed 003 3.1"},
+    {.name = "spheres",
+     .type = FIELD_INT,
+     AT(spheres),
+     .min = 2,
+     .max = 4,
+     .preset = 2,
+     .unit = "",
+     .doc = "spheres along a cube's edge, 2 or 4: of radius size/4 or size/8",
+     .source = "ours; protocols 4"},
+    {.name = "space_mass_g",
+     .type = FIELD_REAL,
+     AT(space_mass_g),
+     .min = 0,
+     .max = 1e6,
+     .preset = 0,
+     .unit = "g",
+     .doc = "the space behind the gate is made for this mass; 0: mass_g. More makes a smaller initial compaction",
+     .source = "seed 003 3.1"},
+    {.name = "space_density_kg_m3",
+     .type = FIELD_REAL,
+     AT(space_density_kg_m3),
+     .min = 1,
+     .max = 3000,
+     .preset = 731,
+     .unit = "kg/m3",
+     .doc = "density of the mass that the space is made for",
+     .source = "seed 003 3.1"},
+    {.name = "accelerator",
+     .type = FIELD_ENUM,
+     AT(accelerator),
+     .preset = 0,
+     .unit = "",
+     .doc = "whose matter the accelerator has",
+     .source = "seed 003 3.1, Table 2",
+     .choices = accelerators},
+    {.name = "gate_m_s",
+     .type = FIELD_REAL,
+     AT(gate_m_s),
+     .min = 0,
+     .max = 100,
+     .preset = 0,
+     .unit = "m/s",
+     .doc = "speed at which the gate slides off, normal to the accelerator; 0: it vanishes at the start",
+     .source = "ours; protocols 4"},
+    {.name = "gravity_m_s2",
+     .type = FIELD_REAL,
+     AT(gravity_m_s2),
+     .min = 1e-3,
+     .max = 1e3,
+     .preset = 9.81,
+     .unit = "m/s2",
+     .doc = "acceleration of gravity",
+     .source = "",
+     .steerable = true},
+    {.name = "floor_m",
+     .type = FIELD_REAL,
+     AT(floor_m),
+     .min = 1e-3,
+     .max = 10,
+     .preset = 0.03,
+     .unit = "m",
+     .doc = "width of the flat floor of the section",
+     .source = "ours; protocols 4"},
+    {.name = "width_m",
+     .type = FIELD_REAL,
+     AT(width_m),
+     .min = 1e-3,
+     .max = 10,
+     .preset = 0.054,
+     .unit = "m",
+     .doc = "width of the section across the tops of its sides",
+     .source = "seed 003 2"},
+    {.name = "side_deg",
+     .type = FIELD_REAL,
+     AT(side_deg),
+     .min = 5,
+     .max = 85,
+     .preset = 45,
+     .unit = "deg",
+     .doc = "of the sides to the floor",
+     .source = "ours; protocols 4"},
+    {.name = "guard_m",
+     .type = FIELD_REAL,
+     AT(guard_m),
+     .min = 1e-3,
+     .max = 10,
+     .preset = 0.05,
+     .unit = "m",
+     .doc = "upright guards on the sides: nothing leaves the apparatus",
+     .source = "ours"},
+    {.name = "run_m",
+     .type = FIELD_REAL,
+     AT(run_m),
+     .min = 0.01,
+     .max = 100,
+     .preset = 1.4,
+     .unit = "m",
+     .doc = "horizontal length of the curved chute",
+     .source = "seed 003 2"},
+    {.name = "gate_m",
+     .type = FIELD_REAL,
+     AT(gate_m),
+     .min = 1e-3,
+     .max = 10,
+     .preset = 0.223,
+     .unit = "m",
+     .doc = "gate above the join, along the accelerator",
+     .source = "seed 003 2"},
+    {.name = "flatness",
+     .type = FIELD_REAL,
+     AT(flatness),
+     .min = 1e-5,
+     .max = 0.1,
+     .preset = 0.005,
+     .unit = "sizes",
+     .doc = "the curve is cut into flats that are nowhere farther from it, in grain sizes",
+     .source = "ours"},
+};
+static const struct field_table table = {"params", "", fields, sizeof fields / sizeof *fields, sizeof(struct chute_params)};
+_Static_assert(sizeof(struct chute_params) <= SPEC_PARAMS_MAX, "params fit the job");
+
+static const struct chute_params *params_of(const struct job_spec *job)
+{
+    return (const struct chute_params *)(const void *)job->params;
+}
+
+/* Rest: what the paper calls the end of an experiment. A flow lasts some 1.5 s. */
+static void chute_defaults(struct job_spec *job)
+{
+    job->time = (struct time_spec){.step_s = 1e-7, .end_s = 4};
+    job->stop.when = STOP_REST;
+    job->record.flow.on = true;
+    job->record.basal_force.every_s = 1e-4;
+    job->record.bulk.every_s = 1e-2;
+}
+
+static struct job_cost chute_cost(const struct job_spec *job)
+{
+    const struct chute_params *p = params_of(job);
+    double cube = job->fragments.density_kg_m3 * p->size_m * p->size_m * p->size_m, per = (double)(p->spheres * p->spheres);
+    double mass = p->mass_g * 1e-3, quarters = 1 - p->cubes - p->halves;
+    /* Spheres: 2 x 2 x 2, 2 x 2 x 1, 2 x 1 x 1 with two along the edge; four along it leave the inner ones out. */
+    double cubes = p->spheres == 2 ? 8 : 56, halves = 2 * per / (p->spheres == 2 ? 2 : 1), rest = halves / 2;
+    struct job_cost cost = {.moving = mass / cube * (p->cubes * cubes + 2 * p->halves * halves + 4 * quarters * rest),
+                            .steps = fmax(1, round(job->time.end_s / job->time.step_s))};
+    cost.bytes = cost.moving * SPEC_BYTES_PER_GRAIN;
+    return cost;
+}
+
+/* Steps above this share of the Rayleigh time do not follow contacts (20 to 40 % is EDEM's habit). */
+#define RAYLEIGH_SHARE 0.4
+
+static enum scree_status chute_check(const struct job_spec *job, struct scree_error *err)
+{
+    const struct chute_params *p = params_of(job);
+    char text[TEXT_REAL_MAX];
+    double longest = RAYLEIGH_SHARE * fragment_rayleigh_time(&job->fragments, p->size_m / (2 * (double)p->spheres));
+    if (p->spheres == 3)
+        return scree_fail(err, SCREE_INVALID, "params.spheres",
+                          "params.spheres: 3 along an edge leave half a sphere; 2 or 4 are taken");
+    if (p->cubes + p->halves > 1 + 1e-12)
+        return scree_fail(err, SCREE_INVALID, "params.halves", "params.halves: cubes and halves make up %s of the mass",
+                          text_real(p->cubes + p->halves, text));
+    if (p->width_m < p->floor_m)
+        return scree_fail(err, SCREE_INVALID, "params.width_m", "params.width_m: %s m is less than the floor's",
+                          text_real(p->width_m, text));
+    if (p->size_m > 0.2 * p->floor_m)
+        return scree_fail(err, SCREE_INVALID, "params.size_m", "params.size_m: %s m is more than a fifth of the floor's width",
+                          text_real(p->size_m, text));
+    if (p->space_mass_g > 0 && p->space_mass_g < p->mass_g)
+        return scree_fail(err, SCREE_INVALID, "params.space_mass_g",
+                          "params.space_mass_g: a space made for %s g does not hold the flow's mass",
+                          text_real(p->space_mass_g, text));
+    if (job->record.contact.on)
+        return scree_fail(err, SCREE_INVALID, "record.contact",
+                          "record.contact: is for scenario collision, where there is one contact");
+    if (chute_cost(job).moving > SPEC_GRAINS_MAX)
+        return scree_fail(err, SCREE_INVALID, "params", "params: %.4g spheres are more than the %.4g that a world holds",
+                          chute_cost(job).moving, (double)SPEC_GRAINS_MAX);
+    if (job->time.step_s > longest) {
+        scree_fail(err, SCREE_INVALID, "time.step_s",
+                   "time.step_s: %s s is above %.3g s, which is %.0f %% of the Rayleigh time of these spheres",
+                   text_real(job->time.step_s, text), longest, 100 * RAYLEIGH_SHARE);
+        scree_hint(err, "shorten time.step_s, or set material.softening: the step grows as its square root");
+        return SCREE_INVALID;
+    }
+    return check_intervals(job, err);
+}
+
+const struct scenario_fields scenario_chute_fields = {
+    .name = "chute",
+    .doc = "angular fragments let go behind a gate run down a curved chute and come to rest",
+    .source = "seed 003",
+    .kind = SCENARIO_DEM,
+    .material = "igneous-fragments",
+    .params = &table,
+    .defaults = chute_defaults,
+    .check = chute_check,
+    .cost = chute_cost,
+};
