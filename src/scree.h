@@ -101,7 +101,7 @@ struct scree_number {
     const char *doc;
     double value;
 };
-enum { SCREE_SUMMARY_MAX = 48 };
+enum { SCREE_SUMMARY_MAX = 96 };
 /* Writes at most SCREE_SUMMARY_MAX numbers, returns how many. */
 size_t scree_world_summary(const struct scree_world *world, struct scree_number numbers[SCREE_SUMMARY_MAX]);
 

@@ -17,28 +17,6 @@
 #define FRONT_CUT    0.03  // m, of the uncertainty bar
 #define CENTRAL_HALF 0.025 // m
 
-static const struct scree_column flow_columns[FLOW_COLUMNS] = {
-    {"time", "s"},
-    {"place", "m"},
-    {"bodies", "1"},
-    {"variance_across", "m2/s2"},
-    {"speed", "m/s"},
-    {"kinetic_translation", "J/kg"},
-    {"kinetic_rotation", "J/kg"},
-    {"potential", "J/kg"},
-    {"dissipated", "J/kg"},
-};
-const struct scree_stream flow_stream = {
-    "flow",
-    "central 5 cm of the flow: place along the chute, variance of velocities across it, energies, energy lost since the release",
-    flow_columns, FLOW_COLUMNS, false};
-
-static const struct scree_column fragment_columns[FRAGMENT_COLUMNS] = {
-    {"id", "1"}, {"shape", "1"}, {"in_flow", "1"}, {"mass", "kg"}, {"x", "m"},    {"y", "m"},    {"z", "m"},       {"qw", "1"},
-    {"qx", "1"}, {"qy", "1"},    {"qz", "1"},      {"vx", "m/s"},  {"vy", "m/s"}, {"vz", "m/s"}, {"members", "1"}, {"volume", "m3"},
-};
-const struct scree_stream fragments_stream = {"fragments", "every body at the end", fragment_columns, FRAGMENT_COLUMNS, true};
-
 void fragment_row(const struct view_body *b, int in_flow, double row[FRAGMENT_COLUMNS])
 {
     const double all[FRAGMENT_COLUMNS] = {

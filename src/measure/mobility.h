@@ -37,13 +37,11 @@ enum scree_status mobility_measure(const struct view *view, const struct mobilit
 
 /* The central 5 cm of the flow: bodies within 2.5 cm, along the chute, of the median of the mass. */
 enum { FLOW_COLUMNS = 9 };
-extern const struct scree_stream flow_stream;
 enum scree_status flow_measure(const struct view *view, const struct mobility_site *site, double row[FLOW_COLUMNS],
                                struct scree_error *err);
 
-/* Every body at the end: a frame. */
+/* Every body at the end: a row of a frame. */
 enum { FRAGMENT_COLUMNS = 16 };
-extern const struct scree_stream fragments_stream;
 void fragment_row(const struct view_body *body, int in_flow, double row[FRAGMENT_COLUMNS]);
 
 #endif

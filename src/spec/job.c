@@ -220,6 +220,17 @@ enum scree_status job_check(const struct job_spec *job, double memory_limit, str
     return job->scenario->check(job, err);
 }
 
+struct record_choice record_find(const struct job_spec *job, const char *name)
+{
+    const struct field *row = field_find(&record_table, name);
+    if (!row)
+        return (struct record_choice){0};
+    const char *spec = (const char *)&job->record + row->offset;
+    const struct field *every = field_find(row->table, "every_s");
+    return (struct record_choice){
+        .on = *(const bool *)spec, .every_s = every ? *(const double *)(const void *)(spec + every->offset) : 0, .spec = spec};
+}
+
 enum scree_status job_steer_check(const struct job_spec *from, const struct job_spec *to, struct scree_error *err)
 {
     if (from->scenario != to->scenario)
