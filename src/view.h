@@ -11,6 +11,7 @@
 
 struct view_contact {
     uint32_t a, b;                   // rows of the grains; b is VIEW_WALL + wall for a wall
+    uint32_t on_base;                // 1: b is a grain of the base, or a wall of it
     double overlap;                  // m
     double normal[3];                // from a to b
     double approach;                 // rate of overlap, m/s (positive while loading)

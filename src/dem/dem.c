@@ -242,6 +242,8 @@ static void free_part(struct part *part)
     free(part->hot.reach2);
     free(part->hot.touching);
     free(part->walls);
+    free(part->formed.items);
+    free(part->formed_walls.items);
     free(part->held.items);
     free(part->held_walls.items);
     free(part->active);
@@ -269,6 +271,7 @@ void dem_free(struct dem *dem)
     free(dem->velocity0);
     free(dem->id);
     free(dem->mass);
+    free(dem->formed.items);
     free(dem->walls);
     bodies_free(dem->bodies);
     mesh_free(dem->mesh);

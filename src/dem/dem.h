@@ -102,6 +102,11 @@ void dem_take_base_force(struct dem *dem, double mean[3]);
 /* Fills *view. Costs a pass over grains and contacts; the view's arrays belong to the world. */
 enum scree_status dem_view(struct dem *dem, struct view *view, struct scree_error *err);
 
+/* From now on contacts that form are logged: pairs and planes, in one order on any number of threads. The caller takes
+ * them now and then; what it gets is valid until the world is advanced. An image does not hold them. */
+void dem_log_formations(struct dem *dem, bool on);
+size_t dem_take_formations(struct dem *dem, const struct view_formation **formations);
+
 /* Steering: takes effect with the next step. */
 void dem_set_gravity(struct dem *dem, const double gravity[3]);
 /* The same for what the material says of contacts (not radii and densities: grains have theirs). */

@@ -48,6 +48,12 @@ struct hot_list {
     double stray, strayed; // as of the near list
 };
 
+/* Contacts that formed. */
+struct formed_list {
+    struct view_formation *items;
+    size_t count, room;
+};
+
 /* Grains [from, to) and every pair whose first grain is among them: one member
  * of the team owns each part. Parts are contiguous in memory, and memory follows
  * space, so few pairs have their second grain in another part. */
@@ -69,7 +75,8 @@ struct part {
     uint32_t *exports; // touching pairs (index into out) whose second grain lies in a later part
     uint32_t *on_base; // touching pairs (index into out) whose second grain is of the base
     size_t export_count, export_room, on_base_count, on_base_room;
-    uint32_t *ended; // near pairs that stopped touching at this step; with a ledger only
+    struct formed_list formed, formed_walls; // at this step; only where they are logged
+    uint32_t *ended;                         // near pairs that stopped touching at this step; with a ledger only
     size_t ended_count, ended_room;
     _Alignas(32) double strayed2[4]; // largest squared change of velocity since the refresh, by component, m2/s2
     double stray;                    // how far grains may leave their straight paths until the refresh, m; the same in every part
@@ -173,6 +180,8 @@ struct dem {
     double wrapped_work;    // m g.L of wraps, J: keeps the potential continuous
     double start_potential; // J
     bool ledger;
+    bool logs_formations;
+    struct formed_list formed; // since they were taken, in the order of steps
 
     /* The view's arrays. */
     double (*view_velocity)[4], (*view_spin)[4], (*view_position)[4];
@@ -220,6 +229,12 @@ enum scree_status cells_fill(struct cells *cells, const struct dem *dem, double 
 /* Fills the part's outer lists with pairs whose gap is below `skin`. */
 enum scree_status cells_pairs(const struct cells *cells, const struct dem *dem, struct part *part, double skin,
                               struct scree_error *err);
+
+/* formed.c: notes pairs of the part that formed at this step, between search and law; a wall's pair,
+ * likewise; member 0 gathers them after the step. */
+void formed_pairs(struct dem *dem, struct part *part);
+void formed_wall(struct dem *dem, struct part *part, const struct wall_pair *pair);
+void formed_gather(struct dem *dem);
 
 /* walls.c */
 /* Grains of the part that could touch a wall within `horizon` seconds; carries the part's held walls over. */

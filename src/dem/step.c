@@ -66,6 +66,8 @@ static void contacts(struct dem *dem, struct part *part)
     part->active_count = dem->kernels->touch(&hot, part->hot.reach2, part->hot.count, part->hot.touching, part->active,
                                              dem->ledger ? part->ended : NULL, &part->ended_count);
     batch.active_count = part->active_count;
+    if (dem->logs_formations)
+        formed_pairs(dem, part);
     clock_phase(dem, part, DEM_SEARCH);
     dem->law->pairs[dem->isa](&dem->coefs[0], &batch);
     list_shared(dem, part);
@@ -143,6 +145,8 @@ static void account(struct dem *dem)
     for (int p = 0; p < dem->part_count; p++)
         account_walls(dem, &dem->parts[p]);
     mesh_account(dem);
+    if (dem->logs_formations)
+        formed_gather(dem);
     dem->base_steps++;
     dem->step++;
 }

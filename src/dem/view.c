@@ -74,7 +74,8 @@ static void view_pairs(struct dem *dem, const struct part *part, struct view *vi
         double distance = sqrt(vec3_dot(x, x));
         struct vec3 n = vec3_scale(x, 1.0 / distance);
         struct view_contact *c = &dem->view_contacts[view->contacts++];
-        *c = (struct view_contact){.a = i, .b = j, .overlap = fmax(0, dem->position[i][3] + dem->position[j][3] - distance)};
+        *c = (struct view_contact){
+            .a = i, .b = j, .on_base = j >= dem->moving, .overlap = fmax(0, dem->position[i][3] + dem->position[j][3] - distance)};
         vec3_store3(c->normal, n);
         finish_contact(dem, 0, part->near.contact[p], &part->out[k], c);
         take_back(dem, i, -1, part->out[k].force, part->out[k].torque1);
@@ -92,7 +93,8 @@ static void view_walls(struct dem *dem, const struct part *part, struct view *vi
         if (!pair->touching)
             continue;
         struct view_contact *c = &dem->view_contacts[view->contacts++];
-        *c = (struct view_contact){.a = pair->grain, .b = VIEW_WALL + pair->wall, .overlap = pair->overlap};
+        *c = (struct view_contact){
+            .a = pair->grain, .b = VIEW_WALL + pair->wall, .on_base = dem->walls[pair->wall].base, .overlap = pair->overlap};
         memcpy(c->normal, pair->normal, sizeof c->normal);
         finish_contact(dem, pair->partner, pair->contact, &pair->out, c);
         memset(c->torque_b, 0, sizeof c->torque_b);
@@ -108,8 +110,10 @@ static void view_mesh(struct dem *dem, const struct mesh_part *part, struct view
     for (size_t k = 0; k < part->contact_count; k++) {
         const struct wall_pair *pair = &part->contact[k];
         struct view_contact *c = &dem->view_contacts[view->contacts++];
-        *c = (struct view_contact){
-            .a = pair->grain, .b = VIEW_WALL + (uint32_t)dem->wall_count + pair->wall, .overlap = pair->overlap};
+        *c = (struct view_contact){.a = pair->grain,
+                                   .b = VIEW_WALL + (uint32_t)dem->wall_count + pair->wall,
+                                   .on_base = dem->mesh->surface[pair->wall].base,
+                                   .overlap = pair->overlap};
         memcpy(c->normal, pair->normal, sizeof c->normal);
         finish_contact(dem, pair->partner, pair->contact, &pair->out, c);
         memset(c->torque_b, 0, sizeof c->torque_b);

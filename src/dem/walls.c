@@ -67,6 +67,8 @@ void walls_contacts(struct dem *dem, struct part *part)
         pair->touching = 1;
         pair->overlap = -gap;
         pair->approach = vec3_dot(vec3_load(dem->velocity[pair->grain]), vec3_load(pair->normal));
+        if (dem->logs_formations)
+            formed_wall(dem, part, pair);
         dem->law->wall(&dem->coefs[pair->partner], dem->velocity[pair->grain], dem->spin[pair->grain], dem->arm[pair->grain],
                        dem->ledger, pair);
     }

@@ -22,9 +22,10 @@
 struct measure_site {
     double base_z, area; // height of the base's nominal top, basal area; area 0: there is no base, m, m2
     double diameter;     // of a grain, m
+    double density;      // of its material, kg/m3
     double area_z;       // area that sums along z are per: the whole base, or its part within `region`; 0: nothing flows on it, m2
     double region[2];    // y of what counts, m: [from, to)
-    double top_z;        // profiles reach up to here, m
+    size_t layers;       // grains over each point of the base: profiles reach four times as high
     struct mobility_site fall; // of flows that are let go and come to rest; count 0 for others
 };
 
@@ -121,6 +122,9 @@ static inline struct measure_buffer *measure_buffers(const struct measurement *m
 
 /* Room for `need` numbers in all; SCREE_NO_MEMORY beyond the buffer's maximum. New ones are zero. */
 enum scree_status measure_buffer_resize(struct measure_buffer *buffer, size_t need, struct scree_error *err);
+
+/* `bytes` bytes that last until the next call and that no image holds. NULL: there is no memory. */
+void *measure_scratch(struct measure_buffer *buffer, size_t bytes, struct scree_error *err);
 
 /* Copies `count` numbers to `out` while there is room; for `numbers`. */
 size_t measure_numbers(struct scree_number *out, size_t room, const struct scree_number *numbers, size_t count);

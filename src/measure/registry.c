@@ -7,12 +7,14 @@
 #include "base/memory.h"
 #include "measure/measure.h"
 
-extern const struct measurement measure_basal_force, measure_bulk, measure_energy, measure_contact, measure_flow, measure_fragments,
-    measure_snapshots, measure_grains;
+extern const struct measurement measure_basal_force, measure_bulk, measure_energy, measure_spectrum, measure_profiles,
+    measure_connectivity, measure_collisions, measure_forces, measure_contact, measure_flow, measure_fragments, measure_snapshots,
+    measure_grains;
 
 const struct measurement *const measurement_list[] = {
-    &measure_basal_force, &measure_bulk,      &measure_energy,    &measure_contact,
-    &measure_flow,        &measure_fragments, &measure_snapshots, &measure_grains,
+    &measure_basal_force,  &measure_bulk,       &measure_energy, &measure_spectrum, &measure_profiles,
+    &measure_connectivity, &measure_collisions, &measure_forces, &measure_contact,  &measure_flow,
+    &measure_fragments,    &measure_snapshots,  &measure_grains,
 };
 const size_t measurement_count = sizeof measurement_list / sizeof *measurement_list;
 _Static_assert(sizeof measurement_list / sizeof *measurement_list <= MEASUREMENTS_MAX, "worlds have room for all");
@@ -28,6 +30,12 @@ enum scree_status measure_buffer_resize(struct measure_buffer *buffer, size_t ne
         memset(buffer->values + buffer->count, 0, (need - buffer->count) * sizeof *buffer->values);
     buffer->count = need;
     return SCREE_OK;
+}
+
+void *measure_scratch(struct measure_buffer *buffer, size_t bytes, struct scree_error *err)
+{
+    size_t need = (bytes + sizeof *buffer->values - 1) / sizeof *buffer->values;
+    return memory_grow((void **)&buffer->values, &buffer->room, need, sizeof *buffer->values, err) ? NULL : buffer->values;
 }
 
 size_t measure_numbers(struct scree_number *out, size_t room, const struct scree_number *numbers, size_t count)

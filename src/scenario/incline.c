@@ -62,6 +62,13 @@ static void incline_base(const struct job_spec *job, double *z, double *area_m2)
     *area_m2 = length[0] * length[1];
 }
 
+static void incline_profile(const struct job_spec *job, size_t *layers, double *area_m2, double region[2])
+{
+    (void)area_m2;
+    (void)region;
+    *layers = (size_t)params_of(job)->nz;
+}
+
 static struct packing packing_of(const struct job_spec *job, double floor_z)
 {
     const struct incline_params *p = params_of(job);
@@ -205,4 +212,4 @@ out:
 }
 
 const struct scenario scenario_incline = {
-    .name = "incline", .build = incline_build, .gravity = incline_gravity, .base = incline_base};
+    .name = "incline", .build = incline_build, .gravity = incline_gravity, .base = incline_base, .profile = incline_profile};

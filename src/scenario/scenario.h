@@ -16,6 +16,9 @@ struct scenario {
     void (*gravity)(const struct job_spec *job, double gravity[3]);
     /* Height of the nominal top of the base and basal area, for bulk measurements; area 0: none. */
     void (*base)(const struct job_spec *job, double *z, double *area_m2);
+    /* What profiles along z are taken of: grains over each point of the base, basal area, and the region of y, [from, to),
+     * that counts; both area and region are left as they are where the whole base counts. NULL: no scenario's own. */
+    void (*profile)(const struct job_spec *job, size_t *layers, double *area_m2, double region[2]);
     const struct law *law; // that its worlds go by; NULL: hertz-mindlin-rolling
     /* Size of a grain, m; NULL: the material's median diameter. */
     double (*grain)(const struct job_spec *job);

@@ -120,6 +120,10 @@ static enum scree_status collision_check(const struct job_spec *job, struct scre
 {
     const struct collision_params *p = params_of(job);
     char text[TEXT_REAL_MAX];
+    if (job->record.profiles.on || job->record.connectivity.on)
+        return scree_fail(err, SCREE_INVALID, job->record.profiles.on ? "record.profiles" : "record.connectivity",
+                          "record.%s: is for flows over a base, and scenario collision has none",
+                          job->record.profiles.on ? "profiles" : "connectivity");
     if (p->tangential_m_s[2] != 0)
         return scree_fail(err, SCREE_INVALID, "params.tangential_m_s[2]",
                           "params.tangential_m_s[2]: %s m/s is not 0: z is the normal, and the velocity along it is speed_m_s",

@@ -67,6 +67,7 @@ static const struct field flow_fields[] = {EVERY(0.1, "interval between samples"
 _Static_assert(offsetof(struct record_series, every_s) == sizeof(double) &&
                    offsetof(struct record_every, every_s) == sizeof(double),
                "EVERY takes the interval to follow the switch");
+_Static_assert(offsetof(struct record_profiles, every_s) == sizeof(double), "here, too");
 
 static const struct field_table series_table = {"series", "", series_fields, COUNT(series_fields), sizeof(struct record_series)};
 static const struct field_table bulk_table = {"bulk", "", bulk_fields, COUNT(bulk_fields), sizeof(struct record_every)};
@@ -74,6 +75,61 @@ static const struct field_table snapshot_table = {"snapshots", "", snapshot_fiel
                                                   sizeof(struct record_every)};
 static const struct field_table flow_table = {"flow", "", flow_fields, COUNT(flow_fields), sizeof(struct record_every)};
 static const struct field_table contact_table = {"contact", "", NULL, 0, sizeof(struct record_every)};
+
+static const struct field profiles_fields[] = {
+    EVERY(1e-3, "interval between samples"),
+    {.name = "frame_s",
+     .type = FIELD_REAL,
+     .offset = offsetof(struct record_profiles, frame_s),
+     .min = 1e-12,
+     .max = 1e6,
+     .preset = 0.1,
+     .unit = "s",
+     .doc = "time that a frame is the mean over, a whole number of samples",
+     .source = ""},
+};
+static const struct field collisions_fields[] = {
+    {.name = "chunk",
+     .type = FIELD_INT,
+     .offset = offsetof(struct record_log, chunk),
+     .min = 16,
+     .max = 65536,
+     .preset = 4096,
+     .unit = "collisions",
+     .doc = "collisions in a chunk of the stream",
+     .source = ""},
+};
+static const struct field spectrum_fields[] = {
+    {.name = "window_s",
+     .type = FIELD_REAL,
+     .offset = offsetof(struct record_spectrum, window_s),
+     .min = 1e-12,
+     .max = 1e3,
+     .preset = 0.5,
+     .unit = "s",
+     .doc = "time that each spectrum is of: at least 8 (segments + 1) blocks of basal_force.every_s",
+     .source = "protocols 1.6"},
+    {.name = "segments",
+     .type = FIELD_INT,
+     .offset = offsetof(struct record_spectrum, segments),
+     .min = 1,
+     .max = 64,
+     .preset = 8,
+     .unit = "",
+     .doc = "half-overlapping Hann windows that a spectrum is the mean of",
+     .source = "protocols 1.10"},
+};
+static const struct field connectivity_fields[] = {EVERY(1e-3, "interval between samples")};
+static const struct field forces_fields[] = {EVERY(1e-2, "interval between frames")};
+static const struct field_table profiles_table = {"profiles", "", profiles_fields, COUNT(profiles_fields),
+                                                  sizeof(struct record_profiles)};
+static const struct field_table collisions_table = {"collisions", "", collisions_fields, COUNT(collisions_fields),
+                                                    sizeof(struct record_log)};
+static const struct field_table spectrum_table = {"spectrum", "", spectrum_fields, COUNT(spectrum_fields),
+                                                  sizeof(struct record_spectrum)};
+static const struct field_table connectivity_table = {"connectivity", "", connectivity_fields, COUNT(connectivity_fields),
+                                                      sizeof(struct record_every)};
+static const struct field_table forces_table = {"forces", "", forces_fields, COUNT(forces_fields), sizeof(struct record_every)};
 
 static const struct field record_fields[] = {
     {.name = "basal_force",
@@ -124,6 +180,46 @@ static const struct field record_fields[] = {
      .doc = "scenario collision: overlap and forces of the one contact, at every step",
      .source = "",
      .table = &contact_table},
+    {.name = "profiles",
+     .type = FIELD_SWITCH,
+     .offset = offsetof(struct record_spec, profiles),
+     .preset = 0,
+     .unit = "",
+     .doc = "by height over the base: solid fraction, velocity, temperature, impacts, share joined to the base",
+     .source = "seed 000 S5",
+     .table = &profiles_table},
+    {.name = "collisions",
+     .type = FIELD_SWITCH,
+     .offset = offsetof(struct record_spec, collisions),
+     .preset = 0,
+     .unit = "",
+     .doc = "every contact that forms, with its speeds of impact",
+     .source = "seed 000 S5",
+     .table = &collisions_table},
+    {.name = "connectivity",
+     .type = FIELD_SWITCH,
+     .offset = offsetof(struct record_spec, connectivity),
+     .preset = 0,
+     .unit = "",
+     .doc = "grains that chains of contacts join to the base",
+     .source = "seed 000 S1",
+     .table = &connectivity_table},
+    {.name = "spectrum",
+     .type = FIELD_SWITCH,
+     .offset = offsetof(struct record_spec, spectrum),
+     .preset = 0,
+     .unit = "",
+     .doc = "power spectrum of the force on the base, with the fit of an impact's",
+     .source = "seed 000 S6",
+     .table = &spectrum_table},
+    {.name = "forces",
+     .type = FIELD_SWITCH,
+     .offset = offsetof(struct record_spec, forces),
+     .preset = 0,
+     .unit = "",
+     .doc = "the network of contacts, a frame an instant",
+     .source = "seed 000, movies S2 and S3",
+     .table = &forces_table},
 };
 static const struct field_table record_table = {"record", "", record_fields, COUNT(record_fields), sizeof(struct record_spec)};
 
@@ -203,6 +299,42 @@ void job_defaults(struct job_spec *job, const struct scenario_fields *scenario)
         scenario->defaults(job);
 }
 
+/* Records that only worlds of grains have. */
+static enum scree_status check_kind(const struct job_spec *job, struct scree_error *err)
+{
+    static const char *const of_grains[] = {"profiles", "collisions", "connectivity", "spectrum", "forces"};
+    for (size_t k = 0; k < COUNT(of_grains) && job->scenario->kind != SCENARIO_DEM; k++)
+        if (record_find(job, of_grains[k]).on) {
+            char path[64];
+            snprintf(path, sizeof path, "record.%s", of_grains[k]);
+            return scree_fail(err, SCREE_INVALID, path, "%s: is for worlds of grains, and scenario %s is a continuum", path,
+                              job->scenario->name);
+        }
+    return SCREE_OK;
+}
+
+/* A window must fit into the run, and hold enough blocks. */
+static enum scree_status check_spectrum(const struct job_spec *job, struct scree_error *err)
+{
+    static const char path[] = "record.spectrum.window_s";
+    const struct record_spectrum *s = &job->record.spectrum;
+    if (!s->on)
+        return SCREE_OK;
+    double every = job->record.basal_force.every_s, blocks = s->window_s / every, need = 8 * (double)(s->segments + 1);
+    if (s->window_s > job->time.end_s)
+        return scree_fail(err, SCREE_INVALID, path, "%s: %.9g s is longer than the run, which ends at %.9g s", path, s->window_s,
+                          job->time.end_s);
+    if (blocks + 0.5 < need)
+        return scree_fail(
+            err, SCREE_INVALID, path,
+            "%s: %.9g s holds %.0f blocks of record.basal_force.every_s = %.9g s, and %lld segments need at least %.0f", path,
+            s->window_s, blocks, every, (long long)s->segments, need);
+    if (blocks > 1e8)
+        return scree_fail(err, SCREE_INVALID, path, "%s: %.9g s holds %.3g blocks of the force; at most 1e8 fit", path, s->window_s,
+                          blocks);
+    return SCREE_OK;
+}
+
 enum scree_status job_check(const struct job_spec *job, double memory_limit, struct scree_error *err)
 {
     enum scree_status status;
@@ -217,6 +349,8 @@ enum scree_status job_check(const struct job_spec *job, double memory_limit, str
         scree_hint(err, "%.4g grains at about %.3g bytes each: take fewer", cost.moving + cost.fixed, SPEC_BYTES_PER_GRAIN);
         return SCREE_NO_MEMORY;
     }
+    if ((status = check_kind(job, err)) || (status = check_spectrum(job, err)))
+        return status;
     return job->scenario->check(job, err);
 }
 
@@ -236,6 +370,9 @@ enum scree_status job_steer_check(const struct job_spec *from, const struct job_
     if (from->scenario != to->scenario)
         return scree_fail(err, SCREE_INVALID, "scenario", "scenario: cannot be changed once a job has begun");
     enum scree_status status;
+    if (from->record.spectrum.on && from->record.basal_force.every_s != to->record.basal_force.every_s)
+        return scree_fail(err, SCREE_INVALID, "record.basal_force.every_s",
+                          "record.basal_force.every_s: cannot be changed while record.spectrum is on, whose windows it fills");
     if ((status = field_steer_check(&job_table, from, to, "", err)) ||
         (status = field_steer_check(from->scenario->params, from->params, to->params, "params", err)))
         return status;

@@ -110,6 +110,20 @@ struct record_series { // a switch: a dense series, cut into chunks of `chunk` s
     double every_s;
     int64_t chunk;
 };
+struct record_profiles { // profiles along the base's normal
+    bool on;
+    double every_s; // between samples
+    double frame_s; // that a frame is the mean of
+};
+struct record_log { // a record an event, `chunk` of them a chunk
+    bool on;
+    int64_t chunk;
+};
+struct record_spectrum { // of the blocks of basal_force
+    bool on;
+    double window_s;
+    int64_t segments; // half-overlapping ones a window
+};
 struct record_spec {
     struct record_series basal_force; // three components, block-averaged over every_s
     struct record_every bulk;         // kinetic and elastic energy, centre of mass, speeds: what verdicts rest on
@@ -117,6 +131,11 @@ struct record_spec {
     struct record_every snapshots;    // every grain's state
     struct record_every flow;         // scenario chute: where the flow is, its agitation and losses
     struct record_every contact;      // scenario collision: overlap and forces of the one contact
+    struct record_profiles profiles;  // by height: phi, u, T, impacts, share joined to the base
+    struct record_log collisions;     // every contact that forms
+    struct record_every connectivity; // grains that chains of contacts join to the base
+    struct record_spectrum spectrum;  // of the force on the base
+    struct record_every forces;       // the network of contacts
 };
 
 /* ---- the job ---- */

@@ -100,7 +100,8 @@ static enum scree_status take_measured(struct world_image *image, const struct m
         status = take_series(image, &measure_series(what, m->state)[s], err);
     for (size_t b = 0; b < what->buffer_count && !status; b++) {
         const struct measure_buffer *buffer = &measure_buffers(what, m->state)[b];
-        world_image_add(image, buffer_name(what, b).text, ARRAY_REAL, buffer->count, buffer->values);
+        static const double none;
+        world_image_add(image, buffer_name(what, b).text, ARRAY_REAL, buffer->count, buffer->values ? buffer->values : &none);
     }
     return status;
 }

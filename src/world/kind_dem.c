@@ -25,14 +25,20 @@ static void gravity(const struct job_spec *job, double out[3])
     scenario_implementation(job->scenario->name)->gravity(job, out);
 }
 
+enum { LAYERS = 16 }; // that profiles reach over four times, where the scenario does not say
+
 static enum scree_status site(const struct job_spec *job, struct measure_site *out, struct scree_error *err)
 {
     const struct scenario *scenario = scenario_implementation(job->scenario->name);
     *out = (struct measure_site){.region = {-INFINITY, INFINITY}};
     out->diameter = scenario->grain ? scenario->grain(job) : 2 * job->material.radius_m;
+    out->density = scenario->law ? job->fragments.density_kg_m3 : job->material.density_kg_m3;
     scenario->base(job, &out->base_z, &out->area);
+    out->layers = LAYERS;
+    if (scenario->profile)
+        scenario->profile(job, &out->layers, &out->area_z, out->region);
     if (!scenario->release) {
-        out->area_z = out->area;
+        out->area_z = out->area_z > 0 ? out->area_z : out->area;
         return SCREE_OK;
     }
     double(*release)[4];
@@ -59,6 +65,18 @@ static void release(void *body)
     free(b);
 }
 
+/* Of a body whose engine is made, or was not. */
+static enum scree_status finish(struct body *b, const struct world_making *making, enum scree_status status, void **out)
+{
+    if (status) {
+        release(b);
+        return status;
+    }
+    dem_log_formations(b->dem, making->needs & MEASURE_FORMATIONS);
+    *out = b;
+    return SCREE_OK;
+}
+
 static enum scree_status build(const struct job_spec *job, const struct world_making *making, void **out, struct scree_error *err)
 {
     struct body *b;
@@ -66,11 +84,7 @@ static enum scree_status build(const struct job_spec *job, const struct world_ma
     if (status)
         return status;
     status = scenario_implementation(job->scenario->name)->build(job, making->isa, making->threads, &b->dem, err);
-    if (status)
-        release(b);
-    else
-        *out = b;
-    return status;
+    return finish(b, making, status, out);
 }
 
 static enum scree_status advance(void *body, uint64_t steps, struct scree_error *err)
@@ -99,6 +113,11 @@ static enum scree_status view(void *body, struct measure_now *now, struct scree_
 static void take_base_force(void *body, double mean[3])
 {
     dem_take_base_force(((struct body *)body)->dem, mean);
+}
+
+static size_t take_formations(void *body, const struct view_formation **formations)
+{
+    return dem_take_formations(((struct body *)body)->dem, formations);
 }
 
 static bool steer(void *body, const struct job_spec *from, const struct job_spec *to)
@@ -208,11 +227,7 @@ static enum scree_status load(const struct world_image *image, const struct worl
         return status;
     const struct law *law = scenario_implementation(image->job.scenario->name)->law;
     status = dem_load(&d, law, &image->job.material, making->isa, making->threads, &b->dem, err);
-    if (status)
-        release(b);
-    else
-        *out = b;
-    return status;
+    return finish(b, making, status, out);
 }
 
 const struct world_kind world_kind_dem = {
@@ -227,6 +242,7 @@ const struct world_kind world_kind_dem = {
     .hash = hash,
     .view = view,
     .take_base_force = take_base_force,
+    .take_formations = take_formations,
     .steer = steer,
     .save = save,
     .load = load,

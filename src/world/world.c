@@ -176,6 +176,8 @@ static bool due(const struct scree_world *w, const struct measured *m)
     return m->every > 0 && w->step % m->every == 0;
 }
 
+enum { FORMATION_STEPS = 1024 };
+
 static uint64_t next_stop(const struct scree_world *w)
 {
     uint64_t next = w->end_step;
@@ -183,6 +185,8 @@ static uint64_t next_stop(const struct scree_world *w)
         uint64_t every = w->measured[k].every, then = every ? (w->step / every + 1) * every : next;
         next = then < next ? then : next;
     }
+    if (w->making.needs & MEASURE_FORMATIONS && next - w->step > FORMATION_STEPS)
+        next = w->step + FORMATION_STEPS; // the engine's log stays short
     return next;
 }
 

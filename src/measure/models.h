@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Models of the high-frequency power P_F^0 that a flow exerts on its base.
+ *
+ * The supporting information of seed 000 names the models it compares but prints
+ * none of their formulas. What is here is this project's own formulation of each
+ * idea (protocols 1.12) from impacts at rate n_I(z) with impulse J(z):
+ *     P_F^0 = A int n_I(z) J(z)^2 <cos^2> T(z) dz
+ * with T what the way to the base leaves. None has a fitted constant but those
+ * named below. Do not cite numbers from here as the papers'. */
+#ifndef SCREE_MEASURE_MODELS_H
+#define SCREE_MEASURE_MODELS_H
+
+#include "measure/profiles.h"
+
+/* Share of an impact's power along the base's normal; share that a contact passes on; contacts a diameter of height
+ * (eqs 52, 53: d/2 and 1/3, hence eta = 1/9 a diameter). */
+#define MODELS_NORMAL_SHARE  (1.0 / 3.0)
+#define MODELS_CONTACT_SHARE (1.0 / 3.0)
+#define MODELS_CONTACTS      2.0
+#define MODELS_ATTENUATION   1.0 // gamma of the attenuated model, a diameter of height: to be fitted
+
+struct model_power {
+    double minimal;    // T = P_C eta^(z/d), J = m <dn^2>^(1/2), doubled on the base; no constant
+    double thin;       // A phi (pi/6) rho^2 d^3 u_b^3 (1 + 3 v^2): a basal layer hits bumps at its own speed u_b; no constant
+    double thick;      // the same at u' d, by which layers pass each other; no constant
+    double attenuated; // T = exp(-gamma z/d), J = 2 m T^(1/2); gamma
+    double pressure;   // A p^2: P_F^0 is proportional to it, with a free constant, N2/m2
+};
+
+/* The minimal model's integrand at one height, N2/(Hz m). */
+double models_minimal_integrand(const struct coarse_grid *grid, const struct profile *p, double base_z, double density);
+
+/* Predictions for the flow over grid->area, N2/Hz. */
+void models_power(const struct coarse_grid *grid, const struct profile *profile, const struct profile_bulk *bulk, double base_z,
+                  double density, struct model_power *out);
+
+/* Geometric standard error of predictions: exp sqrt(mean ln^2(predicted / measured)) (seed 000 S1). */
+double models_error(const double *predicted, const double *measured, size_t n);
+
+#endif

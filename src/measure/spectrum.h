@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Power spectra of a force, and the theory's shape of them.
+ *
+ * Convention (targets S0-30): two-sided, P(f) = |F~(f)|^2 / Dt with F~ the
+ * continuous transform and the mean removed, N2/Hz: the integral over all f, both
+ * signs, is the variance, and a Poisson train of rate r of impacts of impulse J
+ * has P = r J^2 zeta(f tau). */
+#ifndef SCREE_MEASURE_SPECTRUM_H
+#define SCREE_MEASURE_SPECTRUM_H
+
+#include <stddef.h>
+
+#include "base/status.h"
+
+/* ---- theory: one Hertz impact (seed 000 S6) ---- */
+
+#define ZETA_T0       3.218065459719 // duration in tau: 2 (2/5)(5/4)^(2/5) B(2/5, 1/2) (eq. 43)
+#define ZETA_CORNER   0.199664       // f_c = min{f: zeta(2f) < zeta(f) / 10}; printed as 0.200
+#define ZETA_INTEGRAL 0.216272       // of zeta over f > 0
+
+/* zeta (eq. 44) by quadrature; f in 1/tau, at least 0. Exact to 1e-7 for f below 8 / T0. */
+double zeta(double f);
+
+/* Time scale of an impact at speed v (eq. 42) of a sphere of diameter d on a fixed one; of two free ones it is
+ * 4^(-1/5) of that. E* here is E / (1 - nu^2). m, kg/m3, Pa, m/s; s. */
+double impact_time(double diameter, double density, double young, double poisson, double speed);
+
+/* ---- estimate ---- */
+
+enum { SPECTRUM_SEGMENT_MIN = 16, SPECTRUM_SEGMENTS_MAX = 64 };
+
+/* Samples that `segments` half-overlapping segments need at least. */
+size_t spectrum_samples_needed(size_t segments);
+/* Length of each of `segments` half-overlapping ones out of n samples; even. The spectrum has length / 2 + 1 bins, at k / (length
+ * dt). */
+size_t spectrum_segment(size_t n, size_t segments);
+
+/* Welch's estimate: Hann windows, half overlap, mean of all n samples removed. x[k * stride], dt apart; `power` has a
+ * value for each bin. SCREE_INVALID says how many samples are needed. */
+enum scree_status spectrum_welch(const double *x, size_t n, size_t stride, double dt, size_t segments, double *power,
+                                 struct scree_error *err);
+
+/* What a mean over blocks of dt leaves of power at f: sinc^2(f dt). */
+double spectrum_block_gain(double f, double dt);
+
+/* Means of `bins` bins, df apart, the one at 0 left out, over bands [b width, (b + 1) width). Returns how many bands,
+ * at most `room`; their middles into f. Bands without a bin are 0. */
+size_t spectrum_bands(const double *power, size_t bins, double df, double width, double *f, double *band, size_t room);
+/* The same over octaves below the highest frequency, lowest first: each [top / 2^(k+1), top / 2^k) that has a bin; f is its
+ * geometric middle. */
+size_t spectrum_octaves(const double *power, size_t bins, double df, double *f, double *band, size_t room);
+
+/* ---- fit ---- */
+
+#define SPECTRUM_FIT_FROM 2e3 // Hz; below, a flow's own motion counts (protocols 1.10)
+#define SPECTRUM_FIT_TO   150e3
+struct spectrum_fit {
+    double power;  // P_F^0, N2/Hz
+    double tau;    // s; the corner frequency is ZETA_CORNER / tau
+    double misfit; // root mean square of ln P - ln(P_F^0 zeta)
+    size_t used;   // frequencies
+};
+/* log P against log(P_F^0 zeta(f tau)), least squares in two parameters over [2, 150] kHz. Impacts of a flow differ, so
+ * its spectrum lacks zeta's zeros (first at 1.80 / T0): frequencies above 1.5 / (T0 tau) are left out.
+ * SCREE_INVALID where fewer than 8 frequencies can be used. */
+enum scree_status spectrum_fit(const double *f, const double *power, size_t n, struct spectrum_fit *out, struct scree_error *err);
+
+#endif
