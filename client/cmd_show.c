@@ -36,6 +36,30 @@ static void print_streams(const cJSON *streams)
     table_end(&table, 2);
 }
 
+/* "step 12345  set params.slope_deg=24", a line each. */
+static void print_steering(const cJSON *record)
+{
+    const cJSON *command, *assignment;
+    cJSON_ArrayForEach(command, json_get(record, "steering"))
+    {
+        const char *op = json_text(command, "op"), *child = json_text(command, "fork");
+        double step = json_number(command, "step", -1);
+        if (step >= 0)
+            printf("step %-10.0f", step);
+        else
+            printf("%-15s", json_bool(command, "void", false) ? "too late" : "waits");
+        put_clean(stdout, op ? op : "?");
+        cJSON_ArrayForEach(assignment, json_get(command, "set"))
+        {
+            putchar(' ');
+            put_clean(stdout, cJSON_IsString(assignment) ? assignment->valuestring : "?");
+        }
+        if (child)
+            printf(" (%s)", child);
+        putchar('\n');
+    }
+}
+
 static void print_record(cJSON *record)
 {
     const char *build = json_text(record, "build"), *why = json_text(record, "why"),
@@ -56,6 +80,12 @@ static void print_record(cJSON *record)
         put_clean(stdout, build);
         putchar('\n');
     }
+    if (json_text(record, "hash")) {
+        printf("state hash     ");
+        put_clean(stdout, json_text(record, "hash"));
+        putchar('\n');
+    }
+    print_steering(record);
     print_streams(json_get(record, "streams"));
     cJSON *spec = cJSON_DetachItemFromObjectCaseSensitive(record, "spec");
     if (spec)

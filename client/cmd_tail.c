@@ -6,6 +6,7 @@
  * should have got, or another daemon answers, it opens the stream again from that
  * number. A restarted job may have to write chunks again that were read already;
  * they are the same bits under the same numbers, so the reader waits for its own. */
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,6 +15,7 @@
 #include "base/text.h"
 #include "follow.h"
 #include "output.h"
+#include "protocol/frame.h"
 #include "reader.h"
 #include "signals.h"
 #include "spec/field.h"
@@ -28,6 +30,9 @@ struct tail {
     char endpoint[WIRE_ENDPOINT_MAX];
     enum format format;
     bool follow, header_written;
+    bool verify;
+    bool hash_known;     // false until a stream that is read from its middle has said its hash
+    uint64_t hash;       // of the stream up to `next`
     uint64_t next, stop; // stop: the first chunk that --no-follow leaves out
     struct link *link;   // NULL while the daemon is gone
     struct reader *reader;
@@ -216,6 +221,25 @@ static enum outcome connect(struct tail *t, struct scree_error *err)
     return reader_open(t->link, t->job, t->stream, t->next, &t->reader, err);
 }
 
+/* ---- verifying ---- */
+
+/* The running hash says that this chunk follows the one before, and both are what
+ * was once written; the checksum has been looked at when the chunk came in. */
+static enum outcome verify(struct tail *t, const struct reader_chunk *chunk, struct scree_error *err)
+{
+    uint64_t said = 0;
+    if (!chunk->hash || sscanf(chunk->hash, "%" SCNx64, &said) != 1)
+        return outcome_fail(err, OUTCOME_FAILED, "chunk %llu comes without a running hash", (unsigned long long)chunk->seq);
+    uint64_t own = chunk_hash(t->hash, chunk->seq, chunk->t0_s, chunk->dt_s, chunk->rows, chunk->values,
+                              chunk->rows * chunk->columns * sizeof(double));
+    if (t->hash_known && own != said)
+        return outcome_fail(err, OUTCOME_FAILED, "chunk %llu of %s: the running hash should be %016" PRIx64 " and is %.16s",
+                            (unsigned long long)chunk->seq, t->stream, own, chunk->hash);
+    t->hash = said;
+    t->hash_known = true;
+    return OUTCOME_DONE;
+}
+
 /* ---- following ---- */
 
 enum step { STEP_ON, STEP_OVER };
@@ -229,6 +253,8 @@ static enum outcome take(struct tail *t, int *quiet_ms, enum step *step, struct 
         *quiet_ms = 0;
         t->damaged = 0;
         t->next = chunk.seq + 1;
+        if (t->verify && verify(t, &chunk, err))
+            return OUTCOME_FAILED;
         if (!write_chunk(t, &chunk) || (!t->follow && t->next >= t->stop))
             *step = STEP_OVER;
         return OUTCOME_DONE;
@@ -296,22 +322,28 @@ static enum outcome tail_run(const struct arguments *arguments)
         (outcome = link_open(t.endpoint, &t.link, &err)) || (outcome = look(&t, &chunks, &ended, &err)))
         goto out;
     t.next = (uint64_t)from;
+    t.verify = arguments_flag(arguments, "--verify");
+    t.hash_known = from == 0;
     t.stop = (uint64_t)chunks;
     if ((t.follow || t.next < t.stop || ended))
         outcome = follow_stream(&t, &err);
+    if (!outcome && t.verify)
+        say("%s of %s: chunks %lld..%lld verified, running hash %016" PRIx64, t.stream, t.job, from, (long long)t.next - 1, t.hash);
 out:
     disconnect(&t);
     return give_up(outcome, &err);
 }
 
-static const char *const options[] = {"--from=", "--format=", "--no-follow", NULL};
+static const char *const options[] = {"--from=", "--format=", "--no-follow", "--verify", NULL};
 
 const struct verb verb_tail = {
     .name = "tail",
-    .synopsis = "ID STREAM [--from SEQ] [--format csv|ndjson|raw] [--no-follow]",
+    .synopsis = "ID STREAM [--from SEQ] [--format csv|ndjson|raw] [--no-follow] [--verify]",
     .doc = "a stream of a job, from its first chunk or SEQ, live to its end",
     .help = "csv (the default) starts with a line of names and units; ndjson (--json) is one chunk a line with its\n"
             "number \"seq\"; raw is the little-endian doubles alone, row by row. Row k of a chunk is at t0_s + k dt_s.\n"
+            "--verify also follows the running hash from chunk to chunk (checksums are always looked at) and says what it\n"
+            "came to; exit code 1 at the first chunk that does not fit.\n"
             "--no-follow ends with what there is now. Ends with 0 when the stream does, however the job ended.\n"
             "A daemon that is gone is waited for, 60 s at most (exit code 69), and the stream goes on without gap or\n"
             "repetition.\n"

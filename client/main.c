@@ -2,7 +2,7 @@
 /* scree, the command-line client: finds the verb and lets it do its work.
  *
  * The list below is the order of `scree --help`; a verb's own words are in its
- * file. Later verbs (pause, set, fork, ...) are a file and a line each. */
+ * file. A new one is a file and a line. */
 #include <fcntl.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -14,10 +14,11 @@
 #include "signals.h"
 #include "verbs.h"
 
-static const struct verb *const verbs[] = {&verb_run,   &verb_check,     &verb_submit,    &verb_list,   &verb_show,
-                                           &verb_wait,  &verb_watch,     &verb_tail,      &verb_cancel, &verb_fetch,
-                                           &verb_plot,  &verb_scenarios, &verb_materials, &verb_bench,  &verb_keygen,
-                                           &verb_trust, &verb_ping,      &verb_shutdown,  NULL};
+static const struct verb *const verbs[] = {&verb_run,    &verb_check,      &verb_submit,    &verb_list,      &verb_show,
+                                           &verb_wait,   &verb_watch,      &verb_tail,      &verb_cancel,    &verb_pause,
+                                           &verb_resume, &verb_checkpoint, &verb_set,       &verb_fork,      &verb_replay,
+                                           &verb_fetch,  &verb_plot,       &verb_scenarios, &verb_materials, &verb_bench,
+                                           &verb_keygen, &verb_trust,      &verb_ping,      &verb_shutdown,  NULL};
 
 /* ---- outcomes (cli.h) ---- */
 
@@ -28,6 +29,7 @@ enum outcome outcome_of_status(enum scree_status status)
         return OUTCOME_DONE;
     case SCREE_INVALID:
     case SCREE_NOT_FOUND:
+    case SCREE_CONFLICT:  // a job that has ended cannot be steered
     case SCREE_NO_MEMORY: // a world too large for the machine is a spec that is refused
         return OUTCOME_REFUSED;
     case SCREE_BUSY:

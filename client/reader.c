@@ -128,6 +128,7 @@ static enum reader_event take_chunk(struct reader *reader, struct reader_chunk *
                                    .rows = rows,
                                    .columns = columns,
                                    .values = reader->values,
+                                   .hash = json_text(header, "hash"),
                                    .column_names = names,
                                    .units = json_get(header, "units")};
     reader->next++;

@@ -18,6 +18,7 @@ struct reader_chunk {
     double t0_s, dt_s; // row k is at t0_s + k * dt_s
     size_t rows, columns;
     const double *values;              // rows * columns, until the next call
+    const char *hash;                  // running hash as the daemon says it, NULL if it does not; until the next call
     const cJSON *column_names, *units; // arrays of strings, until the next call
 };
 

@@ -6,6 +6,7 @@
 #include "cli.h"
 
 extern const struct verb verb_run, verb_check, verb_submit, verb_list, verb_show, verb_wait, verb_watch, verb_tail, verb_cancel,
-    verb_fetch, verb_plot, verb_scenarios, verb_materials, verb_bench, verb_keygen, verb_trust, verb_ping, verb_shutdown;
+    verb_pause, verb_resume, verb_checkpoint, verb_set, verb_fork, verb_replay, verb_fetch, verb_plot, verb_scenarios,
+    verb_materials, verb_bench, verb_keygen, verb_trust, verb_ping, verb_shutdown;
 
 #endif

@@ -89,7 +89,7 @@ enum scree_status error_read(const cJSON *error_object, struct scree_error *erro
     for (int s = SCREE_INVALID; s <= SCREE_INTERNAL; s++)
         if (code && strcmp(code, scree_status_word((enum scree_status)s)) == 0)
             status = (enum scree_status)s;
-    if (code && (strcmp(code, "bad_request") == 0 || strcmp(code, "conflict") == 0))
+    if (code && strcmp(code, "bad_request") == 0)
         status = SCREE_INVALID;
     scree_fail(error, status, path, "%s", message ? message : "the daemon gave no reason");
     if (hint && *hint)
@@ -137,6 +137,30 @@ uint32_t crc32c(uint32_t crc, const void *data, size_t size)
 uint32_t crc32c_plain(uint32_t crc, const void *data, size_t size)
 {
     return ~crc32c_table(~crc, data, size);
+}
+
+static uint64_t hash_word(uint64_t hash, uint64_t word)
+{
+    hash = (hash ^ word) * 0x9e3779b97f4a7c15u;
+    return hash ^ hash >> 29;
+}
+
+static uint64_t bits_of(double value)
+{
+    uint64_t word;
+    memcpy(&word, &value, sizeof word);
+    return word;
+}
+
+uint64_t chunk_hash(uint64_t before, uint64_t seq, double t0_s, double dt_s, uint64_t rows, const void *payload, size_t bytes)
+{
+    uint64_t hash = hash_word(hash_word(before, seq), bits_of(t0_s)), word;
+    hash = hash_word(hash_word(hash, bits_of(dt_s)), rows);
+    for (const char *p = payload; bytes >= sizeof word; bytes -= sizeof word, p += sizeof word) {
+        memcpy(&word, p, sizeof word);
+        hash = hash_word(hash, word);
+    }
+    return hash;
 }
 
 /* ---- endpoints ---- */

@@ -35,6 +35,10 @@ uint32_t crc32c(uint32_t crc, const void *data, size_t size);
 /* The same without special instructions, for processors that lack them and for the test. */
 uint32_t crc32c_plain(uint32_t crc, const void *data, size_t size);
 
+/* A stream's running hash (PROTOCOL.md, "Streams"): up to and with a chunk, from that up to
+ * the chunk before (0 before the first). */
+uint64_t chunk_hash(uint64_t before, uint64_t seq, double t0_s, double dt_s, uint64_t rows, const void *payload, size_t bytes);
+
 /* Text of the endpoints below a runtime directory, and the default directory
  * ($SCREE_RUNTIME, $XDG_RUNTIME_DIR/scree, /tmp/scree-UID). */
 enum scree_status protocol_runtime_dir(char *out, size_t size, struct scree_error *err);

@@ -17,6 +17,10 @@ struct config {
     char stream[CONFIG_PATH_MAX], events[CONFIG_PATH_MAX];
     char data[CONFIG_PATH_MAX]; // journal.db, jobs/
     int workers;
+    double checkpoint_s;                    // wall time between checkpoints of a running job, 0: only at steering
+    double disk_floor_gb;                   // free space below which jobs are held; negative: 1 GB, or a twentieth of a small disk
+    double memory_gb;                       // that all worlds together may take; negative: what the machine has free
+    char log[CONFIG_PATH_MAX];              // file, "": stderr
     char network[CONFIG_PATH_MAX];          // tcp://ADDRESS:PORT of the control endpoint, "" when there is none
     char keys[CONFIG_PATH_MAX];             // folder of server.key and trusted
     int max_jobs, max_fetches, max_streams; // of one user from the network

@@ -27,7 +27,7 @@
 
 enum { PEER_MAX = 256, FRAMES_MAX = 8, PENDING_MAX = 256, PROGRESS_MS = 200, STUDY_TURNS = 8 };
 
-/* A fetch whose answer is still to come. */
+/* A fetch or a steering command whose answer is still to come. */
 struct pending {
     uint64_t ticket; // 0: free
     unsigned char peer[PEER_MAX];
@@ -220,6 +220,22 @@ static void job_fetched(void *context, uint64_t ticket, const struct job *job, c
     }
 }
 
+static void job_steered(void *context, uint64_t ticket, const struct job *job, const struct command *command,
+                        const struct scree_error *error)
+{
+    struct control *c = context;
+    for (int k = 0; k < PENDING_MAX; k++) {
+        struct pending *p = &c->pending[k];
+        if (p->ticket != ticket)
+            continue;
+        p->ticket = 0;
+        send_reply(c, p->peer, p->peer_size,
+                   error ? reply_error(p->id, scree_status_word(error->status), error)
+                         : reply_ok(p->id, requests_steered(job, command)));
+        return;
+    }
+}
+
 static void study_changed(void *context, const struct study *study)
 {
     struct control *c = context;
@@ -245,6 +261,16 @@ static void study_recorded(void *context, const struct record_order *order)
 }
 
 /* ---- requests ---- */
+
+/* The same request again: only one answer is owed. */
+static void drop_pending(struct control *c, const void *peer, size_t peer_size, const char *id)
+{
+    for (int k = 0; k < PENDING_MAX; k++) {
+        struct pending *p = &c->pending[k];
+        if (p->ticket && p->peer_size == peer_size && memcmp(p->peer, peer, peer_size) == 0 && strcmp(p->id, id) == 0)
+            p->ticket = 0;
+    }
+}
 
 static struct pending *keep_pending(struct control *c, const void *peer, size_t peer_size, const char *id)
 {
@@ -310,8 +336,11 @@ static void handle(struct control *c, const void *peer, size_t peer_size, zmq_ms
         bad_request(c, peer, peer_size, envelope.id, &error);
         goto out;
     }
-    if (strcmp(envelope.op, "fetch") == 0 && !(pending = keep_pending(c, peer, peer_size, envelope.id))) {
-        scree_fail(&error, SCREE_BUSY, "", "too many results are being fetched; try again later");
+    bool waits = requests_may_wait(envelope.op);
+    if (waits)
+        drop_pending(c, peer, peer_size, envelope.id);
+    if (waits && !(pending = keep_pending(c, peer, peer_size, envelope.id))) {
+        scree_fail(&error, SCREE_BUSY, "", "too many requests wait for their answers; try again later");
         send_reply(c, peer, peer_size, reply_error(envelope.id, "busy", &error));
         goto out;
     }
@@ -370,10 +399,22 @@ static void receive(struct control *c)
 
 /* ---- the loop ---- */
 
+/* Whoever rotates logs moves the file away and sends SIGHUP. */
+static void open_log(const struct control *c)
+{
+    struct scree_error error;
+    if (*c->daemon.config->log && log_open(c->daemon.config->log, &error))
+        log_line(LOG_ERROR, "%s", error.message);
+}
+
 static void read_signals(struct control *c)
 {
     struct signalfd_siginfo info;
     while (read(c->signal_fd, &info, sizeof info) == sizeof info) {
+        if ((int)info.ssi_signo == SIGHUP) {
+            open_log(c);
+            continue;
+        }
         if (++c->signals > 1 || (int)info.ssi_signo == SIGQUIT) {
             log_line(LOG_WARNING, "signal=%u ending at once", info.ssi_signo);
             _exit(1);
@@ -427,13 +468,22 @@ static void loop(struct control *c)
     }
 }
 
-/* SIGTERM and SIGINT while workers finish their slices still end at once. */
+#define END_MS 9500
+
+/* While workers finish their slices and checkpoints are written: a second SIGTERM
+ * or SIGINT ends the daemon at once, and so does a disk that takes too long. What
+ * is lost then is computed again at the next start. */
 static void *second_signal(void *argument)
 {
     struct pollfd wait = {.fd = (int)(intptr_t)argument, .events = POLLIN};
-    if (poll(&wait, 1, -1) > 0)
+    struct signalfd_siginfo info;
+    for (;;) {
+        int ready = poll(&wait, 1, END_MS);
+        if (ready < 0 || (ready > 0 && (read(wait.fd, &info, sizeof info) != sizeof info || info.ssi_signo == SIGHUP)))
+            continue;
+        log_line(LOG_WARNING, ready > 0 ? "ending at once" : "ending without the last checkpoints: they take too long");
         _exit(1);
-    return NULL;
+    }
 }
 
 static void say_ready(const struct config *config)
@@ -459,10 +509,14 @@ enum scree_status control_run(const struct config *config, struct scree_error *e
     sigemptyset(&signals);
     sigaddset(&signals, SIGTERM);
     sigaddset(&signals, SIGINT);
+    sigaddset(&signals, SIGHUP);
     c->wake_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     c->signal_fd = signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK);
-    const struct scheduler_watch watch = {.changed = job_changed, .fetched = job_fetched, .recorded = study_recorded, .context = c};
+    const struct scheduler_watch watch = {
+        .changed = job_changed, .fetched = job_fetched, .recorded = study_recorded, .steered = job_steered, .context = c};
     const struct studies_watch study_watch = {.changed = study_changed, .context = c};
+    if (*config->log && (status = log_open(config->log, err)))
+        goto out;
     if ((status = notify_open(&c->notify, config->stall_s, err)) || (status = open_sockets(c, err)) ||
         (status = scheduler_open(&c->daemon.scheduler, config, c->wake_fd, &watch, err)) ||
         (status = studies_open(&c->daemon.studies, c->daemon.scheduler, config, &study_watch, err)) ||

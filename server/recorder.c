@@ -2,9 +2,13 @@
 /* See recorder.h. */
 #include "recorder.h"
 
+#include <dirent.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/eventfd.h>
+
+#include "base/failpoint.h"
 
 struct recorder {
     pthread_t thread;
@@ -13,6 +17,19 @@ struct recorder {
     bool stop;
     int wake_fd;
     struct record_order *waiting, *done; // oldest first
+    struct errand *errands;              // oldest first
+    pthread_cond_t errand_done;
+};
+
+/* On the stack of the thread that waits for it. */
+struct errand {
+    enum scree_status (*run)(void *context, struct scree_error *err);
+    void *context;
+    struct scree_error *err;
+    enum scree_status status;
+    bool done;
+    const struct record_order *behind; // the last order that was asked for before it
+    struct errand *next;
 };
 
 static void append(struct record_order **list, struct record_order *order)
@@ -47,8 +64,53 @@ static enum scree_status next_chunk(void *context, const char *stream, uint64_t 
     return SCREE_OK;
 }
 
+/* checkpoint-STEP-APPLIED.h5: the newest two of them stay, older ones and a write that was cut short go. */
+static void remove_older(const char *path)
+{
+    char folder[CONFIG_PATH_MAX + 96], name[CONFIG_PATH_MAX + 400];
+    uint64_t steps[2] = {0};
+    snprintf(folder, sizeof folder, "%s", path);
+    *strrchr(folder, '/') = 0;
+    for (int pass = 0; pass < 2; pass++) {
+        DIR *directory = opendir(folder);
+        for (struct dirent *entry; directory && (entry = readdir(directory));) {
+            unsigned long long step;
+            long long applied;
+            int end = 0;
+            if (sscanf(entry->d_name, "checkpoint-%llu-%lld.h5%n", &step, &applied, &end) != 2 || end == 0)
+                continue;
+            bool whole = !entry->d_name[end];
+            if (pass == 0 && whole && step > steps[0]) {
+                steps[1] = steps[0];
+                steps[0] = step;
+            } else if (pass == 0 && whole && step > steps[1] && step < steps[0]) {
+                steps[1] = step;
+            } else if (pass == 1 && (step < steps[1] || !whole)) {
+                snprintf(name, sizeof name, "%s/%s", folder, entry->d_name);
+                remove(name);
+            }
+        }
+        if (directory)
+            closedir(directory);
+    }
+}
+
+static void write_image(struct record_order *order)
+{
+    order->status = scree_image_write(order->image, order->path, &order->error);
+    scree_image_free(order->image);
+    order->image = NULL;
+    if (!order->status && order->kind == RECORD_CHECKPOINT)
+        remove_older(order->path);
+    FAILPOINT("image-recorded");
+}
+
 static void carry_out(struct record_order *order)
 {
+    if (order->kind != RECORD_RESULT) {
+        write_image(order);
+        return;
+    }
     struct reader reader = {.order = order};
     if (order->write) {
         order->status = order->write(order, &order->error);
@@ -57,7 +119,7 @@ static void carry_out(struct record_order *order)
     const struct scree_source source = {.next = next_chunk, .context = &reader};
     const struct scree_result result = {.path = order->path,
                                         .spec_json = order->spec_text,
-                                        .journal_json = "[]",
+                                        .journal_json = order->journal_text ? order->journal_text : "[]",
                                         .job_id = order->id,
                                         .title = order->spec.title,
                                         .state = order->state,
@@ -74,6 +136,19 @@ static void carry_out(struct record_order *order)
     if (!order->status)
         order->status = scree_result_write(&result, &source, &order->error);
     chunk_log_close(reader.log);
+    FAILPOINT("result-recorded");
+}
+
+/* Under the lock: the errand at the head, if every order before it is through. */
+static struct errand *next_errand(struct recorder *self)
+{
+    struct errand *errand = self->errands;
+    for (const struct record_order *order = self->waiting; errand && order; order = order->next)
+        if (order == errand->behind)
+            return NULL;
+    if (errand)
+        self->errands = errand->next;
+    return errand;
 }
 
 static void *recorder_main(void *argument)
@@ -81,20 +156,47 @@ static void *recorder_main(void *argument)
     struct recorder *self = argument;
     for (;;) {
         pthread_mutex_lock(&self->lock);
-        while (!self->waiting && !self->stop)
+        while (!self->waiting && !self->errands && !self->stop)
             pthread_cond_wait(&self->work, &self->lock);
-        struct record_order *order = self->waiting;
+        struct errand *errand = next_errand(self);
+        struct record_order *order = errand ? NULL : self->waiting;
         if (order)
             self->waiting = order->next;
         pthread_mutex_unlock(&self->lock);
-        if (!order)
+        if (!order && !errand)
             return NULL;
-        carry_out(order);
+        if (errand)
+            errand->status = errand->run(errand->context, errand->err);
+        else
+            carry_out(order);
         pthread_mutex_lock(&self->lock);
-        append(&self->done, order);
+        if (errand) {
+            errand->done = true;
+            pthread_cond_broadcast(&self->errand_done);
+        } else {
+            append(&self->done, order);
+        }
         pthread_mutex_unlock(&self->lock);
         eventfd_write(self->wake_fd, 1);
     }
+}
+
+enum scree_status recorder_run(struct recorder *self, enum scree_status (*run)(void *context, struct scree_error *err),
+                               void *context, struct scree_error *err)
+{
+    struct errand errand = {.run = run, .context = context, .err = err};
+    struct errand **end = &self->errands;
+    pthread_mutex_lock(&self->lock);
+    for (errand.behind = self->waiting; errand.behind && errand.behind->next;)
+        errand.behind = errand.behind->next;
+    while (*end)
+        end = &(*end)->next;
+    *end = &errand;
+    pthread_cond_signal(&self->work);
+    while (!errand.done)
+        pthread_cond_wait(&self->errand_done, &self->lock);
+    pthread_mutex_unlock(&self->lock);
+    return errand.status;
 }
 
 enum scree_status recorder_start(struct recorder **out, int wake_fd, struct scree_error *err)
@@ -105,6 +207,7 @@ enum scree_status recorder_start(struct recorder **out, int wake_fd, struct scre
     recorder->wake_fd = wake_fd;
     pthread_mutex_init(&recorder->lock, NULL);
     pthread_cond_init(&recorder->work, NULL);
+    pthread_cond_init(&recorder->errand_done, NULL);
     if (pthread_create(&recorder->thread, NULL, recorder_main, recorder) != 0) {
         free(recorder);
         return scree_fail(err, SCREE_NO_MEMORY, NULL, "the system gave no thread for the recorder");
@@ -135,22 +238,33 @@ void record_order_free(struct record_order *order)
 {
     if (order && order->release)
         order->release(order->content);
-    if (order)
+    if (order) {
+        scree_image_free(order->image);
+        free(order->journal_text);
         free(order->spec_text);
+    }
     free(order);
 }
 
-void recorder_stop(struct recorder *recorder)
+void recorder_finish(struct recorder *recorder)
 {
-    if (!recorder)
+    if (!recorder || recorder->stop)
         return;
     pthread_mutex_lock(&recorder->lock);
     recorder->stop = true;
     pthread_cond_signal(&recorder->work);
     pthread_mutex_unlock(&recorder->lock);
     pthread_join(recorder->thread, NULL);
+}
+
+void recorder_free(struct recorder *recorder)
+{
+    if (!recorder)
+        return;
+    recorder_finish(recorder);
     for (struct record_order *order; (order = recorder_take(recorder));)
         record_order_free(order);
+    pthread_cond_destroy(&recorder->errand_done);
     pthread_cond_destroy(&recorder->work);
     pthread_mutex_destroy(&recorder->lock);
     free(recorder);

@@ -16,6 +16,7 @@
 #include "gate.h"
 #include "health.h"
 #include "limits.h"
+#include "outcome.h"
 #include "protocol/job_json.h"
 #include "study_requests.h"
 
@@ -23,7 +24,7 @@
  * core of a processor of 2021, with records. */
 #define ASSUMED_RATE 1e8
 
-enum { PART_MAX = 512 << 10 };
+enum { PART_MAX = 512 << 10, ASSIGNMENTS_MAX = 32 };
 
 static double monotonic(void)
 {
@@ -225,6 +226,25 @@ static cJSON *show_streams(struct daemon *daemon, const struct job *job)
     return streams;
 }
 
+/* What was done to the job, where it came from, and the hash of its last state. */
+static void show_steering(struct daemon *daemon, const struct job *job, cJSON *json)
+{
+    char hash[OUTCOME_HASH_MAX];
+    cJSON *origin = NULL, *from;
+    json_put(json, "steering", scheduler_steering(daemon->scheduler, job));
+    json_put_text(json, "hash", job->report.hashed ? outcome_hash(&job->report, hash) : NULL);
+    if (*job->origin && json_read(job->origin, strlen(job->origin), "origin", &origin, NULL) == SCREE_OK) {
+        cJSON_DeleteItemFromObjectCaseSensitive(cJSON_GetObjectItemCaseSensitive(origin, "fork"), "spec");
+        from = cJSON_GetObjectItemCaseSensitive(origin, "replay");
+        const struct job *first = from ? scheduler_find(daemon->scheduler, json_text(from, "job")) : NULL;
+        if (first && job->report.hashed) {
+            json_put_text(from, "hash", outcome_hash(&first->report, hash));
+            json_put_bool(from, "same", first->report.hash == job->report.hash && first->report.steps == job->report.steps);
+        }
+    }
+    json_put(json, "origin", origin ? origin : cJSON_CreateNull());
+}
+
 static enum scree_status do_show(struct daemon *daemon, const cJSON *body, const char *id, cJSON **result, struct scree_error *err)
 {
     (void)id;
@@ -235,7 +255,8 @@ static enum scree_status do_show(struct daemon *daemon, const cJSON *body, const
         return status;
     const struct run_report *r = &job->report;
     cJSON *json = requests_summary(job), *numbers = cJSON_CreateArray();
-    json_put(json, "spec", cJSON_CreateRaw(job->spec_text));
+    json_put(json, "spec", job->steered ? job_encode(&job->spec) : cJSON_CreateRaw(job->spec_text));
+    show_steering(daemon, job, json);
     json_put(json, "streams", show_streams(daemon, job));
     json_put_text(json, "build", *job->build ? job->build : scree_build());
     json_put_text(json, "isa", r->isa);
@@ -262,14 +283,28 @@ static enum scree_status do_show(struct daemon *daemon, const cJSON *body, const
 static enum scree_status do_cancel(struct daemon *daemon, const cJSON *body, const char *id, cJSON **result,
                                    struct scree_error *err)
 {
-    (void)id;
     struct job *job;
     enum scree_status status = find_job(daemon, body, &job, err);
-    if (status || (status = scheduler_cancel(daemon->scheduler, job, err)))
+    if (status || (status = scheduler_cancel_as(daemon->scheduler, id, job, err)))
         return status;
     *result = cJSON_CreateObject();
     json_put_text(*result, "job", job->id);
     json_put_text(*result, "state", job_state_word(job->state));
+    return SCREE_OK;
+}
+
+static enum scree_status do_replay(struct daemon *daemon, const cJSON *body, const char *id, cJSON **result,
+                                   struct scree_error *err)
+{
+    struct job *job, *replay;
+    enum scree_status status = find_job(daemon, body, &job, err);
+    if (status || (status = limits_check_jobs(daemon->config, daemon->scheduler, &daemon->user, id, err)) ||
+        (status = scheduler_replay(daemon->scheduler, id, job, &replay, err)))
+        return status;
+    *result = cJSON_CreateObject();
+    json_put_text(*result, "job", replay->id);
+    json_put_text(*result, "state", job_state_word(replay->state));
+    json_put_text(*result, "of", job->id);
     return SCREE_OK;
 }
 
@@ -327,8 +362,8 @@ static const struct operation {
     const char *name;
     enum scree_status (*carry_out)(struct daemon *, const cJSON *, const char *, cJSON **, struct scree_error *);
 } operations[] = {
-    {"ping", do_ping}, {"check", do_check},   {"submit", do_submit},         {"list", do_list},
-    {"show", do_show}, {"cancel", do_cancel}, {"fetch_part", do_fetch_part}, {"shutdown", do_shutdown},
+    {"ping", do_ping},     {"check", do_check},           {"submit", do_submit},     {"list", do_list},     {"show", do_show},
+    {"cancel", do_cancel}, {"fetch_part", do_fetch_part}, {"shutdown", do_shutdown}, {"replay", do_replay},
 };
 
 cJSON *requests_fetched(const struct job *job, const char *path)
@@ -350,6 +385,70 @@ static enum scree_status start_fetch(struct daemon *daemon, const cJSON *body, s
     return status ? status : scheduler_fetch(daemon->scheduler, job, daemon->tickets, err);
 }
 
+/* The assignments of a set or a fork, as the journal keeps them. */
+static enum scree_status read_assignments(const cJSON *body, enum command_op op, char **out, struct scree_error *err)
+{
+    const cJSON *set = json_get(body, "set"), *item;
+    int count = cJSON_IsArray(set) ? cJSON_GetArraySize(set) : 0;
+    if (op != COMMAND_SET && op != COMMAND_FORK)
+        return SCREE_OK;
+    if ((set && !cJSON_IsArray(set)) || (op == COMMAND_SET && count == 0) || count > ASSIGNMENTS_MAX)
+        return scree_fail(err, SCREE_INVALID, "set", "set: an array of %d to %d texts \"path=value\" is expected",
+                          op == COMMAND_SET, ASSIGNMENTS_MAX);
+    cJSON_ArrayForEach(item, set) if (!cJSON_IsString(item) || !strchr(item->valuestring, '='))
+    {
+        return scree_fail(err, SCREE_INVALID, "set", "set: an array of texts \"path=value\" is expected");
+    }
+    cJSON *detail = cJSON_CreateObject();
+    json_put(detail, "set", set ? cJSON_Duplicate(set, true) : cJSON_CreateArray());
+    *out = json_print(detail, false);
+    cJSON_Delete(detail);
+    return *out ? SCREE_OK : scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for a command");
+}
+
+static enum scree_status start_steering(struct daemon *daemon, const struct envelope *envelope, const cJSON *body,
+                                        struct scree_error *err)
+{
+    struct job *job;
+    char *detail = NULL, request[LIMITS_REQUEST_MAX];
+    enum command_op op = command_op_of(envelope->op);
+    limits_request(&daemon->user, envelope->id, request);
+    enum scree_status status = find_job(daemon, body, &job, err);
+    if (!status && op == COMMAND_FORK)
+        status = limits_check_jobs(daemon->config, daemon->scheduler, &daemon->user, request, err);
+    if (!status && !(status = read_assignments(body, op, &detail, err)))
+        status = scheduler_steer(daemon->scheduler, request, job, op, detail ? detail : "{}", daemon->tickets, err);
+    free(detail);
+    return status;
+}
+
+bool requests_may_wait(const char *op)
+{
+    enum command_op steering = command_op_of(op);
+    return strcmp(op, "fetch") == 0 || (steering != COMMAND_OPS && steering != COMMAND_CANCEL);
+}
+
+cJSON *requests_steered(const struct job *job, const struct command *command)
+{
+    char child[JOB_ID_MAX];
+    cJSON *json = cJSON_CreateObject();
+    json_put_text(json, "job", job->id);
+    json_put_text(json, "op", command_op_word(command->op));
+    json_put_text(json, "state", job_state_word(job->state));
+    if (command->number)
+        json_put_int(json, "number", command->number);
+    else
+        json_put(json, "number", cJSON_CreateNull()); // there was nothing to do
+    if (command->step >= 0)
+        json_put_int(json, "step", command->step);
+    else
+        json_put(json, "step", cJSON_CreateNull());
+    snprintf(child, sizeof child, "j%lld", (long long)command->made);
+    if (command->op == COMMAND_FORK)
+        json_put_text(json, "fork", command->made ? child : NULL);
+    return json;
+}
+
 enum answer requests_handle(struct daemon *daemon, const struct envelope *envelope, const cJSON *body, cJSON **reply)
 {
     struct scree_error error = {0};
@@ -358,9 +457,11 @@ enum answer requests_handle(struct daemon *daemon, const struct envelope *envelo
     size_t k = 0, count = sizeof operations / sizeof *operations;
     if (study_request_is(envelope->op, body))
         return study_request(daemon, envelope, body, reply);
-    if (strcmp(envelope->op, "fetch") == 0) {
+
+    if (requests_may_wait(envelope->op)) {
         daemon->tickets++;
-        if (!(status = start_fetch(daemon, body, &error)))
+        bool fetch = strcmp(envelope->op, "fetch") == 0;
+        if (!(status = fetch ? start_fetch(daemon, body, &error) : start_steering(daemon, envelope, body, &error)))
             return ANSWER_LATER;
         *reply = reply_error(envelope->id, scree_status_word(status), &error);
         return ANSWER_NOW;

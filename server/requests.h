@@ -24,6 +24,12 @@ enum answer { ANSWER_NOW, ANSWER_LATER };
  * of ticket daemon->tickets comes through requests_fetched. */
 enum answer requests_handle(struct daemon *daemon, const struct envelope *envelope, const cJSON *body, cJSON **reply);
 
+/* Operations whose answer may come later. */
+bool requests_may_wait(const char *op);
+
+/* The result object of a steering command. */
+cJSON *requests_steered(const struct job *job, const struct command *command);
+
 /* The result object of a fetch. */
 cJSON *requests_fetched(const struct job *job, const char *path);
 

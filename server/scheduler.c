@@ -1,27 +1,38 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* States of a job:
  *
- *      submit                assign                      run ended, result written
- *   ------------> queued -----------> running ---------------------------------> done
- *                   |                    |  \                                    failed
- *                   | cancel             |   `-- cancel: at the end of the slice  cancelled
- *                   v                    |
- *               cancelled                `-- daemon ends: stays running in the journal,
- *                                            queued in memory at the next start
- *   (paused and held have their place in the protocol and no way in yet)
+ *      submit               assign                       run ended, result written
+ *   ------------> queued ------------> running --------------------------------> done
+ *                 ^ |  ^                |  |  \                                   failed
+ *          resume | |   `--- held <-----'  |   `-- cancel: at the end of the slice cancelled
+ *                 | |      no disk,        |
+ *                 | |      memory: goes    | pause: checkpoint, then the world is freed
+ *                 | |      on by itself    v
+ *                 | `---- pause -------> paused
+ *                 `------------------------'
  *
  *   from      event                          to         what else happens
  *   -         submit, committed              queued     the client gets its answer
  *   queued    a worker is idle               running    run created, journal updated
- *   queued    cancel                         cancelled
+ *   queued    does not fit disk or memory    held       in memory only: at a restart it is queued and looked at again
+ *   running   disk runs low                  held       checkpoint first; in memory only
+ *   held      room again                     queued
+ *   queued, held, running   pause            paused     of a running one: checkpoint, then committed with its step
+ *   paused    resume                         queued
+ *   queued, held, paused    cancel           cancelled
+ *   running   cancel                         running    cancelled in the journal, order to the worker
  *   running   report: ended                  running    recording: the recorder makes result.h5
  *   running   recorder is through            done | failed | cancelled, by the report
- *   running   cancel                         running    cancelled in the journal, order to the worker
+ *   running   run or result failed for lack of disk or memory   held, tried again some times
+ *   running   daemon ends                    running    checkpoint; queued in memory at the next start
  *
  * Invariants: what the journal says is written before anybody is told; a job has
- * a run exactly while it is running; an ended job never changes; `done` has its
- * result.h5 in place. A job that is run again after a crash writes the same
- * chunks: its log is kept, and chunks that are there are compared, not replaced. */
+ * a run exactly while it is running (or held with its result unwritten); an ended
+ * job never changes; `done` has its result.h5 in place. A job that is run again
+ * goes on from its newest sound checkpoint and writes the same chunks from there:
+ * its log is kept, and chunks that are there are compared, not replaced. So nobody
+ * who has read ahead of the checkpoint can see a gap or a change, and new steering
+ * takes effect only where the streams have not been yet. */
 #include "scheduler.h"
 
 #include <errno.h>
@@ -34,26 +45,15 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "base/failpoint.h"
 #include "base/memory.h"
 #include "log.h"
+#include "outcome.h"
 #include "protocol/frame.h"
 #include "protocol/job_json.h"
-#include "recorder.h"
-#include "worker.h"
+#include "scheduler_state.h"
 
 enum { QUEUE_MAX = 10000 };
-
-struct scheduler {
-    const struct config *config;
-    struct scheduler_watch watch;
-    struct journal *journal;
-    struct workers *workers;
-    struct recorder *recorder;
-    int lock_fd;
-    struct job **jobs;                // by number, ascending
-    size_t count, room, queued, busy; // busy: threads of running jobs
-    bool closing;
-};
 
 static const char *const words[JOB_STATES] = {"queued", "running", "paused", "done", "failed", "cancelled", "held"};
 
@@ -70,96 +70,28 @@ enum job_state job_state_of(const char *word)
     return state;
 }
 
-static double unix_now(void)
+double scheduler_unix_now(void)
 {
     struct timespec now;
     clock_gettime(CLOCK_REALTIME, &now);
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-/* ---- outcome: what a run came to, as JSON in the journal ---- */
-
-static cJSON *outcome_json(const struct run_report *r)
+double scheduler_monotonic(void)
 {
-    cJSON *json = cJSON_CreateObject(), *numbers = cJSON_CreateArray();
-    json_put_text(json, "verdict", scree_verdict_word(r->verdict));
-    json_put_text(json, "evidence", r->evidence);
-    json_put_int(json, "steps", (long long)r->steps);
-    json_put_real(json, "time_s", r->time_s);
-    json_put_real(json, "wall_s", r->wall_s);
-    json_put_real(json, "rate", r->rate);
-    json_put_int(json, "moving", (long long)r->moving);
-    json_put_int(json, "fixed", (long long)r->fixed);
-    json_put_text(json, "isa", r->isa);
-    json_put_int(json, "threads", r->threads);
-    for (size_t k = 0; numbers && k < r->number_count; k++) {
-        cJSON *n = cJSON_CreateObject();
-        json_put_text(n, "name", r->numbers[k].name);
-        json_put_text(n, "unit", r->numbers[k].unit);
-        json_put_text(n, "doc", r->numbers[k].doc);
-        json_put_real(n, "value", r->numbers[k].value);
-        cJSON_AddItemToArray(numbers, n);
-    }
-    json_put(json, "numbers", numbers);
-    if (r->status && r->status != SCREE_CANCELLED)
-        json_put(json, "error", error_json(scree_status_word(r->status), &r->error));
-    return json;
-}
-
-/* Names of numbers live as long as the daemon: they are few, and kept once. */
-static const char *kept_word(const char *word)
-{
-    static char *kept[512];
-    static size_t count;
-    for (size_t k = 0; k < count; k++)
-        if (strcmp(kept[k], word) == 0)
-            return kept[k];
-    if (count == sizeof kept / sizeof *kept || !(kept[count] = strdup(word)))
-        return "";
-    return kept[count++];
-}
-
-static void outcome_read(const char *text, struct run_report *r)
-{
-    cJSON *json = NULL;
-    memset(r, 0, sizeof *r);
-    if (!*text || json_read(text, strlen(text), "outcome", &json, NULL))
-        return;
-    const char *verdict = json_text(json, "verdict"), *evidence = json_text(json, "evidence"), *isa = json_text(json, "isa");
-    for (enum scree_verdict v = VERDICT_UNDECIDED; v <= VERDICT_ACCELERATING; v++)
-        if (verdict && strcmp(verdict, scree_verdict_word(v)) == 0)
-            r->verdict = v;
-    snprintf(r->evidence, sizeof r->evidence, "%s", evidence ? evidence : "");
-    snprintf(r->isa, sizeof r->isa, "%s", isa ? isa : "");
-    r->steps = (uint64_t)json_number(json, "steps", 0);
-    r->time_s = json_number(json, "time_s", 0);
-    r->wall_s = json_number(json, "wall_s", 0);
-    r->rate = json_number(json, "rate", 0);
-    r->moving = (size_t)json_number(json, "moving", 0);
-    r->fixed = (size_t)json_number(json, "fixed", 0);
-    r->threads = (int)json_number(json, "threads", 1);
-    const cJSON *n = NULL, *error = json_get(json, "error");
-    cJSON_ArrayForEach(n, json_get(json, "numbers")) if (r->number_count < SCREE_SUMMARY_MAX && json_text(n, "name"))
-    {
-        const char *unit = json_text(n, "unit"), *doc = json_text(n, "doc");
-        r->numbers[r->number_count++] = (struct scree_number){.name = kept_word(json_text(n, "name")),
-                                                              .unit = kept_word(unit ? unit : ""),
-                                                              .doc = kept_word(doc ? doc : ""),
-                                                              .value = json_number(n, "value", 0)};
-    }
-    if (error)
-        r->status = error_read(error, &r->error);
-    cJSON_Delete(json);
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
 /* ---- journal ---- */
 
-static enum scree_status write_job(struct scheduler *s, const struct job *job, struct scree_error *err)
+enum scree_status scheduler_write_job(struct scheduler *s, const struct job *job, enum job_state state, struct scree_error *err)
 {
-    cJSON *json = job_state_ended(job->state) ? outcome_json(&job->report) : NULL;
+    cJSON *json = outcome_json(&job->report);
     char *outcome = json ? json_print(json, false) : NULL;
     const struct journal_row row = {.number = job->number,
-                                    .state = job_state_word(job->state),
+                                    .state = job_state_word(state),
                                     .build = job->build,
                                     .outcome = outcome ? outcome : "",
                                     .started = job->started,
@@ -170,68 +102,30 @@ static enum scree_status write_job(struct scheduler *s, const struct job *job, s
     return status;
 }
 
-static enum scree_status keep_job(struct scheduler *s, struct job *job, struct scree_error *err)
+static void free_run(struct run *run)
 {
-    enum scree_status status = memory_grow((void **)&s->jobs, &s->room, s->count + 1, sizeof *s->jobs, err);
-    if (!status)
-        s->jobs[s->count++] = job;
-    return status;
+    if (!run)
+        return;
+    pthread_cond_destroy(&run->answered);
+    pthread_mutex_destroy(&run->lock);
+    free(run->commands);
+    free(run);
 }
 
-static void free_job(struct job *job)
+void scheduler_free_job(struct job *job)
 {
     if (!job)
         return;
     free(job->spec_text);
-    if (job->run)
-        pthread_mutex_destroy(&job->run->lock);
-    free(job->run);
+    free(job->origin);
+    free_run(job->run);
     free(job);
 }
 
-static void name_job(struct job *job, int64_t number)
+void scheduler_name_job(struct job *job, int64_t number)
 {
     job->number = number;
     snprintf(job->id, sizeof job->id, "j%lld", (long long)number);
-}
-
-static enum scree_status load_job(void *context, const struct journal_row *row, struct scree_error *err)
-{
-    struct scheduler *s = context;
-    struct job *job = calloc(1, sizeof *job);
-    cJSON *json = NULL;
-    enum scree_status status = SCREE_NO_MEMORY;
-    if (!job || !(job->spec_text = strdup(row->spec)))
-        goto out;
-    name_job(job, row->number);
-    snprintf(job->request, sizeof job->request, "%s", row->request);
-    snprintf(job->build, sizeof job->build, "%s", row->build);
-    job->submitted = row->submitted;
-    job->started = row->started;
-    job->ended = row->ended;
-    outcome_read(row->outcome, &job->report);
-    job->state = job_state_of(row->state);
-    if (job->state == JOB_RUNNING || job->state == JOB_STATES)
-        job->state = JOB_QUEUED; // it is run again and comes to the same chunks
-    struct scree_error error = {0};
-    if (json_read(row->spec, strlen(row->spec), "spec", &json, &error) || job_decode(json, &job->spec, &error)) {
-        /* Written by another version: the record stays, the job cannot run. */
-        job->spec.scenario = scenario_list[0];
-        if (!job_state_ended(job->state)) {
-            job->state = JOB_FAILED;
-            job->report.status = SCREE_CORRUPT;
-            job->report.error = error;
-        }
-    }
-    s->queued += job->state == JOB_QUEUED;
-    status = keep_job(s, job, err);
-out:
-    cJSON_Delete(json);
-    if (status) {
-        free_job(job);
-        return status == SCREE_NO_MEMORY ? scree_fail(err, status, NULL, "no memory to load the journal") : status;
-    }
-    return SCREE_OK;
 }
 
 /* ---- files ---- */
@@ -246,7 +140,7 @@ void scheduler_result_path(const struct scheduler *s, const struct job *job, boo
     snprintf(out, size, "%s/jobs/%s/%s", s->config->data, job->id, final ? "result.h5" : "so-far.h5");
 }
 
-static enum scree_status make_folder(const char *path, struct scree_error *err)
+enum scree_status scheduler_folder(const char *path, struct scree_error *err)
 {
     char part[CONFIG_PATH_MAX + 64];
     snprintf(part, sizeof part, "%s", path);
@@ -263,132 +157,120 @@ static enum scree_status make_folder(const char *path, struct scree_error *err)
     }
 }
 
-static enum scree_status lock_data(struct scheduler *s, struct scree_error *err)
-{
-    char path[CONFIG_PATH_MAX + 64];
-    snprintf(path, sizeof path, "%s/lock", s->config->data);
-    s->lock_fd = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0600);
-    if (s->lock_fd < 0)
-        return scree_fail(err, SCREE_IO, "data", "cannot write in the data directory %s: %s", s->config->data, strerror(errno));
-    if (flock(s->lock_fd, LOCK_EX | LOCK_NB) != 0)
-        return scree_fail(err, SCREE_BUSY, "data", "another screed works in the data directory %s", s->config->data);
-    return SCREE_OK;
-}
-
-/* ---- opening and closing ---- */
-
-enum scree_status scheduler_open(struct scheduler **out, const struct config *config, int wake_fd,
-                                 const struct scheduler_watch *watch, struct scree_error *err)
-{
-    char path[CONFIG_PATH_MAX + 64];
-    struct scheduler *s = calloc(1, sizeof *s);
-    if (!s)
-        return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for the scheduler");
-    s->config = config;
-    s->watch = *watch;
-    s->lock_fd = -1;
-    snprintf(path, sizeof path, "%s/jobs", config->data);
-    enum scree_status status;
-    if ((status = make_folder(path, err)) || (status = lock_data(s, err)))
-        goto out;
-    snprintf(path, sizeof path, "%s/journal.db", config->data);
-    if ((status = journal_open(&s->journal, path, err)) || (status = journal_load(s->journal, load_job, s, err)) ||
-        (status = recorder_start(&s->recorder, wake_fd, err)))
-        goto out;
-    status = workers_start(&s->workers, config->workers, wake_fd, err);
-out:
-    if (status)
-        scheduler_close(s);
-    else
-        *out = s;
-    return status;
-}
-
-void scheduler_close(struct scheduler *s)
-{
-    if (!s)
-        return;
-    s->closing = true;
-    for (size_t k = 0; k < s->count; k++)
-        if (s->jobs[k]->run) {
-            int go = RUN_GO; // a cancelled one stays so
-            atomic_compare_exchange_strong(&s->jobs[k]->run->order, &go, RUN_STOP);
-        }
-    workers_stop(s->workers);
-    if (s->workers)
-        scheduler_turn(s); // runs that had just ended are recorded
-    recorder_stop(s->recorder);
-    journal_close(s->journal);
-    for (size_t k = 0; k < s->count; k++)
-        free_job(s->jobs[k]);
-    free(s->jobs);
-    if (s->lock_fd >= 0)
-        close(s->lock_fd);
-    free(s);
-}
-
 /* ---- transitions ---- */
 
-static void changed(struct scheduler *s, const struct job *job, enum job_event what)
+void scheduler_changed(struct scheduler *s, const struct job *job, enum job_event what)
 {
     if (!s->closing)
         s->watch.changed(s->watch.context, job, what);
 }
 
-static void enter(struct scheduler *s, struct job *job, enum job_state state)
+void scheduler_set_state(struct scheduler *s, struct job *job, enum job_state state)
 {
-    struct scree_error error = {0};
     s->queued -= job->state == JOB_QUEUED;
     job->state = state;
     s->queued += state == JOB_QUEUED;
+    if (state != JOB_HELD) {
+        job->why[0] = 0;
+        job->hold = HOLD_NONE;
+    }
+    log_line(LOG_INFO, "job=%s scenario=%s state=%s%s%s%s%s", job->id, job->spec.scenario->name, job_state_word(state),
+             state == JOB_HELD ? " why=" : "", job->why, job->report.status && state == JOB_FAILED ? " error=" : "",
+             state == JOB_FAILED ? job->report.error.message : "");
+    scheduler_changed(s, job, EVENT_STATE);
+}
+
+void scheduler_enter(struct scheduler *s, struct job *job, enum job_state state)
+{
+    struct scree_error error = {0};
     if (job_state_ended(state))
-        job->ended = unix_now();
-    if (write_job(s, job, &error))
+        job->ended = scheduler_unix_now();
+    if (scheduler_write_job(s, job, state, &error)) {
         log_line(LOG_ERROR, "job=%s state=%s %s", job->id, job_state_word(state), error.message);
-    log_line(LOG_INFO, "job=%s scenario=%s state=%s%s%s", job->id, job->spec.scenario->name, job_state_word(state),
-             job->report.status && state == JOB_FAILED ? " error=" : "", state == JOB_FAILED ? job->report.error.message : "");
-    changed(s, job, EVENT_STATE);
+        job->late = job_state_ended(state); // nobody is told before it is written
+        job->verdict_state = state;
+        if (job->late) {
+            job->ended = 0;
+            return;
+        }
+    }
+    job->late = false;
+    scheduler_set_state(s, job, state);
+    if (job_state_ended(state))
+        steering_ended(s, job);
 }
 
 static void fail_job(struct scheduler *s, struct job *job, const struct scree_error *error)
 {
     job->report.status = error->status;
     job->report.error = *error;
-    enter(s, job, JOB_FAILED);
+    scheduler_enter(s, job, JOB_FAILED);
 }
 
 static int threads_of(const struct scheduler *s, const struct job *job)
 {
-    return job->spec.threads < s->config->workers ? (int)job->spec.threads : s->config->workers;
+    return job->base.threads < s->config->workers ? (int)job->base.threads : s->config->workers;
 }
 
-static void start_job(struct scheduler *s, struct job *job)
+void scheduler_order(struct job *job, enum run_order order)
 {
-    char folder[CONFIG_PATH_MAX + 64];
-    struct scree_error error = {0};
+    if (!job->run)
+        return;
+    int now = atomic_load(&job->run->order);
+    while (now < (int)order && !atomic_compare_exchange_weak(&job->run->order, &now, (int)order))
+        ;
+    pthread_mutex_lock(&job->run->lock);
+    pthread_cond_broadcast(&job->run->answered);
+    pthread_mutex_unlock(&job->run->lock);
+}
+
+static enum scree_status make_run(struct scheduler *s, struct job *job, struct run **out, struct scree_error *err)
+{
     struct run *run = calloc(1, sizeof *run);
-    snprintf(folder, sizeof folder, "%s/jobs/%s", s->config->data, job->id);
     if (!run)
-        scree_fail(&error, SCREE_NO_MEMORY, NULL, "no memory to run %s", job->id);
-    if (!run || make_folder(folder, &error)) {
-        free(run);
-        fail_job(s, job, &error);
+        return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory to run %s", job->id);
+    run->job = job->number;
+    run->serial = ++s->serials;
+    run->spec = job->base;
+    run->recorder = s->recorder;
+    run->checkpoint_s = s->config->checkpoint_s;
+    run->stop_step = UINT64_MAX;
+    run->wall_before_s = job->report.wall_s;
+    pthread_mutex_init(&run->lock, NULL);
+    pthread_cond_init(&run->answered, NULL);
+    snprintf(run->folder, sizeof run->folder, "%s/jobs/%s", s->config->data, job->id);
+    scheduler_log_path(s, job, run->log_path, sizeof run->log_path);
+    enum scree_status status;
+    if ((status = scheduler_folder(run->folder, err)) || (status = restart_find(s, job, run, err)) ||
+        (status = steering_script(s, job, run, err)))
+        free_run(run);
+    else
+        *out = run;
+    return status;
+}
+
+void scheduler_start(struct scheduler *s, struct job *job)
+{
+    struct scree_error error = {0};
+    struct run *run = NULL;
+    if (make_run(s, job, &run, &error)) {
+        if (!holds_fault(s, job, &error))
+            fail_job(s, job, &error);
         return;
     }
-    run->spec = job->spec;
-    pthread_mutex_init(&run->lock, NULL);
-    scheduler_log_path(s, job, run->log_path, sizeof run->log_path);
+    run->report = job->report; // what is known until the worker says more
+    run->report.ended = run->report.hashed = false;
+    run->report.head_count = 0;
+    run->report.status = job->report.status = SCREE_OK;
     if (!workers_assign(s->workers, run)) { // the idle one has not come back yet
-        pthread_mutex_destroy(&run->lock);
-        free(run);
+        free_run(run);
         return;
     }
     job->run = run;
-    job->started = unix_now();
+    job->started = job->started > 0 ? job->started : scheduler_unix_now();
     snprintf(job->build, sizeof job->build, "%s", scree_build());
-    memset(&job->report, 0, sizeof job->report);
     s->busy += (size_t)threads_of(s, job);
-    enter(s, job, JOB_RUNNING);
+    scheduler_enter(s, job, JOB_RUNNING);
 }
 
 /* Highest priority first, then oldest. */
@@ -404,10 +286,13 @@ static struct job *next_queued(const struct scheduler *s)
 static struct record_order *order_for(struct scheduler *s, const struct job *job, bool final, uint64_t ticket, const char *state)
 {
     struct record_order *order = calloc(1, sizeof *order);
-    if (!order || !(order->spec_text = strdup(job->spec_text))) {
-        free(order);
+    cJSON *journal = scheduler_steering(s, job);
+    if (!order || !journal || !(order->spec_text = strdup(job->spec_text)) || !(order->journal_text = json_print(journal, false))) {
+        cJSON_Delete(journal);
+        record_order_free(order);
         return NULL;
     }
+    cJSON_Delete(journal);
     order->job = job->number;
     order->final = final;
     order->ticket = ticket;
@@ -427,17 +312,43 @@ static struct record_order *order_for(struct scheduler *s, const struct job *job
 static void end_run(struct scheduler *s, struct job *job)
 {
     s->busy -= (size_t)threads_of(s, job);
-    pthread_mutex_destroy(&job->run->lock);
-    free(job->run);
+    free_run(job->run);
     job->run = NULL;
     job->recording = false;
+}
+
+/* The run was stopped and its checkpoint is written: it goes on later. */
+static void run_parked(struct scheduler *s, struct job *job)
+{
+    enum run_order order = atomic_load(&job->run->order);
+    end_run(s, job);
+    if (order == RUN_STOP) // with the daemon: the journal keeps it running
+        return;
+    if (order == RUN_PAUSE && steering_paused(s, job))
+        return;
+    scheduler_set_state(s, job, order == RUN_HOLD && *s->disk_low ? JOB_HELD : JOB_QUEUED);
+    if (job->state == JOB_HELD) {
+        job->hold = HOLD_DISK;
+        snprintf(job->why, sizeof job->why, "%s", s->disk_low);
+    }
+}
+
+void scheduler_record_again(struct scheduler *s, struct job *job)
+{
+    struct record_order *order = order_for(s, job, true, 0, job_state_word(job->verdict_state));
+    if (order)
+        recorder_ask(s->recorder, order);
 }
 
 /* The worker is through: a result is made of what there is, then the job ends. */
 static void run_ended(struct scheduler *s, struct job *job)
 {
     enum scree_status status = job->report.status;
-    if (status == SCREE_BUSY) { // stopped with the daemon: the journal keeps it running
+    if (status == SCREE_BUSY) {
+        run_parked(s, job);
+        return;
+    }
+    if (!s->closing && holds_fault(s, job, &job->report.error)) {
         end_run(s, job);
         return;
     }
@@ -450,23 +361,25 @@ static void run_ended(struct scheduler *s, struct job *job)
     }
     record_order_free(order);
     end_run(s, job);
-    enter(s, job, job->verdict_state);
+    scheduler_enter(s, job, job->verdict_state);
 }
 
 static void look_at_run(struct scheduler *s, struct job *job)
 {
+    steering_answer(s, job);
     if (!atomic_exchange(&job->run->dirty, false))
         return;
     pthread_mutex_lock(&job->run->lock);
     job->report = job->run->report;
     pthread_mutex_unlock(&job->run->lock);
-    changed(s, job, EVENT_CHUNKS);
-    changed(s, job, EVENT_PROGRESS);
-    if (job->report.ended && !job->recording)
+    scheduler_changed(s, job, EVENT_CHUNKS);
+    scheduler_changed(s, job, EVENT_PROGRESS);
+    /* A run that is to go on is over once its checkpoints are where the next one looks for them. */
+    if (job->report.ended && !job->recording && atomic_load(&job->run->images) == 0)
         run_ended(s, job);
 }
 
-static struct job *by_number(const struct scheduler *s, int64_t number)
+struct job *scheduler_by_number(const struct scheduler *s, int64_t number)
 {
     size_t low = 0, high = s->count;
     while (low < high) {
@@ -479,16 +392,43 @@ static struct job *by_number(const struct scheduler *s, int64_t number)
     return low < s->count && s->jobs[low]->number == number ? s->jobs[low] : NULL;
 }
 
-static void look_at_recorder(struct scheduler *s)
+/* A checkpoint is on disk, or could not be written: the job goes on all the same. */
+static void image_recorded(struct scheduler *s, const struct record_order *order)
+{
+    struct job *job = scheduler_by_number(s, order->job);
+    struct scree_error error = {0};
+    if (order->status)
+        log_line(LOG_WARNING, "job=%s step=%llu no checkpoint: %s", job->id, (unsigned long long)order->step, order->error.message);
+    else if (job->state == JOB_RUNNING && order->kind == RECORD_CHECKPOINT && !job->late && !job->recording &&
+             scheduler_write_job(s, job, atomic_load(&job->run->order) == RUN_CANCEL ? JOB_CANCELLED : JOB_RUNNING, &error))
+        log_line(LOG_WARNING, "job=%s %s", job->id, error.message);
+    steering_recorded(s, order);
+    if (job->run && job->run->serial == order->serial) {
+        atomic_fetch_sub(&job->run->images, 1);
+        atomic_store(&job->run->dirty, true);
+    }
+}
+
+void scheduler_look_at_recorder(struct scheduler *s)
 {
     for (struct record_order *order; (order = recorder_take(s->recorder)); record_order_free(order)) {
         if (order->write) {
             s->watch.recorded(s->watch.context, order);
             continue;
         }
-        struct job *job = by_number(s, order->job);
+        struct job *job = scheduler_by_number(s, order->job);
+        if (order->kind != RECORD_RESULT) {
+            image_recorded(s, order);
+            continue;
+        }
         if (!order->final) {
             s->watch.fetched(s->watch.context, order->ticket, job, order->path, order->status ? &order->error : NULL);
+            continue;
+        }
+        if (order->status && !s->closing && holds_fault(s, job, &order->error))
+            continue; // with its run: the result is asked for again
+        if (order->status && s->closing) {
+            end_run(s, job); // the next start makes it
             continue;
         }
         if (order->status && job->verdict_state != JOB_FAILED) {
@@ -496,22 +436,26 @@ static void look_at_recorder(struct scheduler *s)
             job->report.status = order->status;
             job->report.error = order->error;
         }
+        FAILPOINT("result-known");
         end_run(s, job);
-        enter(s, job, job->verdict_state);
+        scheduler_enter(s, job, job->verdict_state);
     }
 }
 
 void scheduler_turn(struct scheduler *s)
 {
+    holds_turn(s);
+    scheduler_look_at_recorder(s);
     for (size_t k = 0; k < s->count; k++)
         if (s->jobs[k]->run)
             look_at_run(s, s->jobs[k]);
-    look_at_recorder(s);
     while (!s->closing && s->queued > 0) {
         struct job *job = next_queued(s);
         if (s->busy > 0 && s->busy + (size_t)threads_of(s, job) > (size_t)s->config->workers)
             break;
-        start_job(s, job);
+        if (holds_stop(s, job))
+            continue;
+        scheduler_start(s, job);
         if (job->state == JOB_QUEUED)
             break;
     }
@@ -531,7 +475,8 @@ static struct job *same_result(const struct scheduler *s, const char *spec_text)
 {
     for (size_t k = s->count; k-- > 0;) {
         struct job *job = s->jobs[k];
-        if (job->state == JOB_DONE && strcmp(job->build, scree_build()) == 0 && strcmp(job->spec_text, spec_text) == 0)
+        if (job->state == JOB_DONE && !job->steered && !*job->origin && strcmp(job->build, scree_build()) == 0 &&
+            strcmp(job->spec_text, spec_text) == 0)
             return job;
     }
     return NULL;
@@ -546,7 +491,6 @@ enum scree_status scheduler_submit(struct scheduler *s, const char *request, con
     cJSON *json = job_encode(spec);
     char *text = json ? json_print(json, false) : NULL;
     cJSON_Delete(json);
-    struct job *job = NULL;
     enum scree_status status = SCREE_OK;
     if (!text) {
         status = scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for the job");
@@ -559,45 +503,49 @@ enum scree_status scheduler_submit(struct scheduler *s, const char *request, con
         status = scree_fail(err, SCREE_BUSY, "", "%d jobs are queued; try again later", QUEUE_MAX);
         goto out;
     }
-    struct journal_row row = {.request = request, .state = "queued", .spec = text, .submitted = unix_now()};
-    if (!(job = calloc(1, sizeof *job))) {
-        status = scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for the job");
-        goto out;
+    if (!(status = scheduler_insert(s, request, spec, "", out, err))) {
+        log_line(LOG_INFO, "job=%s scenario=%s state=queued", (*out)->id, spec->scenario->name);
+        scheduler_changed(s, *out, EVENT_STATE);
     }
-    job->spec = *spec;
-    job->spec_text = text;
-    text = NULL;
-    job->submitted = row.submitted;
-    snprintf(job->request, sizeof job->request, "%s", request);
-    if ((status = journal_insert(s->journal, &row, err)))
-        goto out;
-    name_job(job, row.number);
-    if ((status = keep_job(s, job, err)))
-        goto out;
-    s->queued++;
-    *out = job;
-    job = NULL;
-    log_line(LOG_INFO, "job=%s scenario=%s state=queued", (*out)->id, spec->scenario->name);
-    changed(s, *out, EVENT_STATE);
 out:
-    free_job(job);
     free(text);
     return status;
 }
 
-enum scree_status scheduler_cancel(struct scheduler *s, struct job *job, struct scree_error *err)
+enum scree_status scheduler_insert(struct scheduler *s, const char *request, const struct job_spec *spec, const char *origin,
+                                   struct job **out, struct scree_error *err)
 {
-    if (job->state == JOB_QUEUED)
-        enter(s, job, JOB_CANCELLED);
-    if (!job->run)
-        return SCREE_OK;
-    /* The journal first: should the daemon end before the worker does, the job must not run again. */
-    job->state = JOB_CANCELLED;
-    enum scree_status status = write_job(s, job, err);
-    job->state = JOB_RUNNING;
-    if (!status)
-        atomic_store(&job->run->order, RUN_CANCEL);
+    cJSON *json = job_encode(spec);
+    struct job *job = calloc(1, sizeof *job);
+    enum scree_status status = scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for the job");
+    if (!json || !job || !(job->spec_text = json_print(json, false)) || !(job->origin = strdup(origin)) ||
+        memory_grow((void **)&s->jobs, &s->room, s->count + 1, sizeof *s->jobs, err))
+        goto out;
+    job->base = job->spec = *spec;
+    job->submitted = scheduler_unix_now();
+    snprintf(job->request, sizeof job->request, "%s", request);
+    struct journal_row row = {
+        .request = request, .state = "queued", .spec = job->spec_text, .origin = origin, .submitted = job->submitted};
+    if ((status = journal_insert(s->journal, &row, err)))
+        goto out;
+    scheduler_name_job(job, row.number);
+    s->jobs[s->count++] = job; // its place was made above
+    s->queued++;
+    *out = job;
+    job = NULL;
+out:
+    cJSON_Delete(json);
+    scheduler_free_job(job);
     return status;
+}
+
+void scheduler_forget(struct scheduler *s, struct job *job)
+{
+    if (s->count == 0 || s->jobs[s->count - 1] != job)
+        return;
+    s->count--;
+    s->queued -= job->state == JOB_QUEUED;
+    scheduler_free_job(job);
 }
 
 enum scree_status scheduler_fetch(struct scheduler *s, struct job *job, uint64_t ticket, struct scree_error *err)
@@ -635,7 +583,7 @@ struct job *scheduler_find(struct scheduler *s, const char *id)
     if (!id || id[0] != 'j' || id[1] < '1' || id[1] > '9' || strlen(id) > 18)
         return NULL;
     long long number = strtoll(id + 1, &end, 10);
-    return *end ? NULL : by_number(s, number);
+    return *end ? NULL : scheduler_by_number(s, number);
 }
 
 size_t scheduler_count(const struct scheduler *s)

@@ -18,6 +18,9 @@ struct scheduler_watch {
     void (*fetched)(void *context, uint64_t ticket, const struct job *job, const char *path, const struct scree_error *error);
     /* An order of scheduler_record has been carried out. */
     void (*recorded)(void *context, const struct record_order *order);
+    /* A command of scheduler_steer has taken effect, waits for its job (step COMMAND_PENDING), or will not be (`error`). */
+    void (*steered)(void *context, uint64_t ticket, const struct job *job, const struct command *command,
+                    const struct scree_error *error);
     void *context;
 };
 
@@ -25,8 +28,8 @@ struct scheduler_watch {
  * daemon) and starts workers and recorder. */
 enum scree_status scheduler_open(struct scheduler **out, const struct config *config, int wake_fd,
                                  const struct scheduler_watch *watch, struct scree_error *err);
-/* Stops workers at the end of their slices; running jobs stay `running` in the
- * journal and are run again at the next start. */
+/* Stops workers at the end of their slices, with a checkpoint each; running jobs
+ * stay `running` in the journal and go on at the next start. */
 void scheduler_close(struct scheduler *scheduler);
 
 /* Looks at what workers and recorder have reported and hands out work. */
@@ -35,7 +38,19 @@ void scheduler_turn(struct scheduler *scheduler);
 /* Commits a job. *reused: a finished one of the same spec and build, or one of the same request, answers. */
 enum scree_status scheduler_submit(struct scheduler *scheduler, const char *request, const struct job_spec *spec, bool again,
                                    struct job **out, bool *reused, struct scree_error *err);
+/* Ends a job for good; the second under a client's request id. */
 enum scree_status scheduler_cancel(struct scheduler *scheduler, struct job *job, struct scree_error *err);
+enum scree_status scheduler_cancel_as(struct scheduler *scheduler, const char *request, struct job *job, struct scree_error *err);
+
+/* Steers a job. `detail` is {"set": ["path=value", ...]} of COMMAND_SET and COMMAND_FORK. With SCREE_OK
+ * `steered` is called with the ticket, perhaps at once; a request that was made before is the same command. */
+enum scree_status scheduler_steer(struct scheduler *scheduler, const char *request, struct job *job, enum command_op op,
+                                  const char *detail, uint64_t ticket, struct scree_error *err);
+/* A new job that does the same again from the start: spec, origin, and commands at their steps. */
+enum scree_status scheduler_replay(struct scheduler *scheduler, const char *request, struct job *job, struct job **out,
+                                   struct scree_error *err);
+/* Every command of a job, oldest first. */
+cJSON *scheduler_steering(const struct scheduler *scheduler, const struct job *job);
 /* A result file of the job as it stands; `fetched` is called with the ticket, perhaps at once. */
 enum scree_status scheduler_fetch(struct scheduler *scheduler, struct job *job, uint64_t ticket, struct scree_error *err);
 

@@ -6,7 +6,9 @@
 #include "streams.h"
 
 #include <errno.h>
+#include <inttypes.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -128,6 +130,7 @@ static void send_error(struct streams *s, const void *peer, size_t peer_size, co
 
 static enum sent send_chunk(struct streams *s, const struct subscription *sub, const struct job *job, const struct chunk_row *row)
 {
+    char hash[24];
     cJSON *header = header_for("chunk", sub->key);
     json_put_text(header, "job", job->id);
     json_put_text(header, "stream", sub->stream);
@@ -139,6 +142,8 @@ static enum sent send_chunk(struct streams *s, const struct subscription *sub, c
     json_put(header, "units", cJSON_CreateRaw(sub->units));
     json_put_text(header, "dtype", "<f8");
     json_put_int(header, "crc32c", row->crc);
+    snprintf(hash, sizeof hash, "%016" PRIx64, row->hash);
+    json_put_text(header, "hash", hash);
     return send_message(s, sub->peer, sub->peer_size, header, row->payload, row->bytes);
 }
 
@@ -189,6 +194,16 @@ static enum turn refuse(struct streams *s, const struct subscription *sub, const
     return TURN_OVER;
 }
 
+static uint64_t chunks_of(const struct subscription *sub)
+{
+    struct chunk_stream known[JOB_STREAMS_MAX];
+    size_t count = chunk_log_streams(sub->log, known, JOB_STREAMS_MAX);
+    for (size_t k = 0; k < count; k++)
+        if (strcmp(known[k].name, sub->stream) == 0)
+            return known[k].chunks;
+    return 0;
+}
+
 /* The log has no chunk `next`: either it comes, or the stream is at its end. */
 static enum turn at_end(struct streams *s, struct subscription *sub, const struct job *job, bool first)
 {
@@ -203,6 +218,8 @@ static enum turn at_end(struct streams *s, struct subscription *sub, const struc
         if (!before)
             return refuse(s, sub, "stream %s ends before chunk %llu", sub->stream, sub->next);
     }
+    if (sub->next < chunks_of(sub)) // a row of the log is lost: the stream has no end here
+        return refuse(s, sub, "chunk %2$llu of %1$s is missing from the stream log", sub->stream, sub->next);
     return send_end(s, sub, job) ? TURN_OVER : TURN_MORE;
 }
 
@@ -221,7 +238,7 @@ static enum turn serve(struct streams *s, struct subscription *sub)
         bool found;
         struct scree_error error;
         if (chunk_log_get(sub->log, sub->stream, sub->next, &row, &found, &error)) {
-            send_error(s, sub->peer, sub->peer_size, sub->key, "io", &error);
+            send_error(s, sub->peer, sub->peer_size, sub->key, scree_status_word(error.status), &error);
             return TURN_OVER;
         }
         if (!found)

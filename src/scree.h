@@ -101,7 +101,7 @@ struct scree_number {
     const char *doc;
     double value;
 };
-enum { SCREE_SUMMARY_MAX = 48 };
+enum { SCREE_SUMMARY_MAX = 96 };
 /* Writes at most SCREE_SUMMARY_MAX numbers, returns how many. */
 size_t scree_world_summary(const struct scree_world *world, struct scree_number numbers[SCREE_SUMMARY_MAX]);
 
@@ -118,7 +118,28 @@ uint64_t scree_world_hash(const struct scree_world *world);
 enum scree_status scree_world_fork(const struct scree_world *world, const struct scree_options *options,
                                    const struct scree_sink *sink, struct scree_world **out, struct scree_error *err);
 
+/* From here on the job is `job`, which may differ from the one so far in steerable
+ * values alone (job_steer_check): takes effect with the next step. Windows that a
+ * verdict rests on begin anew when forces change. The same steps and the same
+ * commands give the same bits. */
+enum scree_status scree_world_steer(struct scree_world *world, const struct job_spec *job, struct scree_error *err);
+
+/* Streams begin anew here with chunk 0: a fork's own. What was gathered for a chunk is dropped. */
+void scree_world_branch(struct scree_world *world);
+
+/* Number of the chunk that a stream of scree_world_streams will put next. */
+uint64_t scree_world_next_chunk(const struct scree_world *world, size_t stream);
+
+/* A copy of everything a world is, which the world may leave behind: taken on the
+ * world's thread in the time of a memcpy, written later on another. */
+struct scree_image;
+enum scree_status scree_image_take(const struct scree_world *world, struct scree_image **out, struct scree_error *err);
+void scree_image_free(struct scree_image *image);
+
 /* ---- checkpoints (HDF5: one thread of a process makes these calls) ---- */
+
+/* As scree_checkpoint_write, of an image. */
+enum scree_status scree_image_write(const struct scree_image *image, const char *path, struct scree_error *err);
 
 /* Writes PATH beside, flushed to disk, then renamed; the world stays as it is. */
 enum scree_status scree_checkpoint_write(const struct scree_world *world, const char *path, struct scree_error *err);

@@ -21,6 +21,17 @@ struct view_contact {
 };
 #define VIEW_WALL 0x80000000u
 
+/* A contact at the first step with overlap, before it exerted any force. */
+struct view_formation {
+    double time_s;
+    uint32_t a, b;        // ids of the grains; b is VIEW_WALL + wall for a wall
+    uint32_t fixed;       // 1: b is a grain of the base or a wall of it
+    double place[3];      // midway between the surfaces, inside the periodic box, m
+    double normal[3];     // from a to b
+    double approach;      // normal relative speed, m/s, positive while closing
+    double tangential[3]; // relative velocity of the surfaces across the normal, spins included, m/s
+};
+
 struct view {
     double time_s, step_s;
     uint64_t step;

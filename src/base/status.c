@@ -60,6 +60,8 @@ const char *scree_status_word(enum scree_status status)
         return "cancelled";
     case SCREE_DENIED:
         return "denied";
+    case SCREE_CONFLICT:
+        return "conflict";
     case SCREE_INTERNAL:
         break;
     }

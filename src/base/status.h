@@ -18,6 +18,7 @@ enum scree_status {
     SCREE_BUSY,      // try again later (queue full)
     SCREE_CANCELLED, // the user stopped it
     SCREE_DENIED,    // the user is not authorised
+    SCREE_CONFLICT,  // the job's state does not allow it
     SCREE_INTERNAL   // a bug that was caught at a boundary
 };
 

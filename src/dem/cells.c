@@ -72,6 +72,12 @@ static void cells_layout(struct cells *cells, const struct dem *dem, double widt
         cells->inverse[a] = cells->count[a] / size[a];
 }
 
+/* The whole part, also of what no int holds: before a blow-up is noticed a grain may be anywhere. */
+static int whole_part(double value, int low, int high)
+{
+    return value > low ? value < high ? (int)value : high : low;
+}
+
 enum scree_status cells_fill(struct cells *cells, const struct dem *dem, double width, struct scree_error *err)
 {
     size_t n = dem->grains;
@@ -90,8 +96,7 @@ enum scree_status cells_fill(struct cells *cells, const struct dem *dem, double 
         uint32_t cell = 0;
         for (int a = 2; a >= 0; a--) {
             double x = dem->position[i][a], box = dem->length[a], boxes = box > 0 ? floor(x / box) : 0;
-            int k = (int)((x - boxes * box - cells->low[a]) * cells->inverse[a]);
-            k = k < 0 ? 0 : k >= cells->count[a] ? cells->count[a] - 1 : k;
+            int k = whole_part((x - boxes * box - cells->low[a]) * cells->inverse[a], 0, cells->count[a] - 1);
             cell = cell * (uint32_t)cells->count[a] + (uint32_t)k;
         }
         cells->cell[i] = cell;
@@ -104,7 +109,7 @@ enum scree_status cells_fill(struct cells *cells, const struct dem *dem, double 
         for (int a = 0; a < 3; a++) {
             double x = dem->position[i][a], box = dem->length[a], boxes = box > 0 ? floor(x / box) : 0;
             cells->point[at][a] = x - boxes * box;
-            cells->image[at][a] = (int8_t)boxes;
+            cells->image[at][a] = (int8_t)whole_part(boxes, INT8_MIN, INT8_MAX);
         }
         cells->point[at][3] = dem->position[i][3];
         cells->row[at] = (uint32_t)i;
@@ -224,11 +229,12 @@ enum scree_status cells_pairs(const struct cells *cells, const struct dem *dem, 
         s.radius = dem->position[i][3];
         for (int a = 0; a < 3; a++) {
             double x = dem->position[i][a], box = dem->length[a], boxes = box > 0 ? floor(x / box) : 0;
-            s.image[a] = (int)boxes;
+            s.image[a] = whole_part(boxes, INT8_MIN, INT8_MAX);
             s.point[a] = x - boxes * box;
         }
         status = search_all(&s, err);
-        sort_ascending(s.found + before, s.count - before);
+        if (s.count > before)
+            sort_ascending(s.found + before, s.count - before);
         if (!status)
             status = memory_grow((void **)&part->outer_first, &part->outer_room, s.count, sizeof *part->outer_first, err);
         for (size_t k = before; k < s.count && !status; k++)

@@ -287,8 +287,19 @@ void dem_set_gravity(struct dem *dem, const double gravity[3])
 {
     /* The work of the old field so far is kept; the potential restarts with the new one. */
     double before = order_potential(dem) - dem->start_potential + dem->wrapped_work;
+    /* Rows hold v(n-1/2); v(n) = v(n-1/2) + g dt/2 must not jump with the field. */
+    for (size_t i = 0; i < dem->moving; i++)
+        for (int a = 0; a < 3; a++)
+            dem->velocity[i][a] += 0.5 * dem->step_s * (dem->gravity[a] - gravity[a]);
+    double weight = sqrt(dem->gravity[0] * dem->gravity[0] + dem->gravity[1] * dem->gravity[1] + dem->gravity[2] * dem->gravity[2]);
     set_gravity(dem, gravity);
+    dem->weight = weight + 2 * dem->weight; // lists that are in use have to bear both fields and the change
     dem->start_potential = order_potential(dem) + dem->wrapped_work - before;
+}
+
+void dem_set_material(struct dem *dem, const struct material_spec *material)
+{
+    dem->law->coefs(material, dem->step_s, &dem->coefs);
 }
 
 struct dem_counts dem_counts(const struct dem *dem)

@@ -3,6 +3,7 @@
  * rebuild; then the last step's forces are put beside them. */
 #include "dem/image.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -112,6 +113,34 @@ static bool keys_are_sound(const struct dem_image *image)
     return s->moving > 0 && s->moving <= s->grains && s->grains < IMAGE_ROW;
 }
 
+static bool are_finite(const double *values, size_t count)
+{
+    for (size_t k = 0; k < count; k++)
+        if (!isfinite(values[k]))
+            return false;
+    return true;
+}
+
+/* Numbers that a state can have: lists are made of them before the first step looks for a blow-up. */
+static bool state_is_sound(const struct dem_image *image)
+{
+    const struct dem_scalars *s = &image->scalars;
+    const double bounds[] = {s->step_s,     s->floor_z,   s->gravity[0], s->gravity[1],
+                             s->gravity[2], s->length[0], s->length[1],  s->length[2]};
+    if (!are_finite(bounds, sizeof bounds / sizeof *bounds) || s->step_s <= 0)
+        return false;
+    for (size_t i = 0; i < s->grains; i++) {
+        double radius = image->position[i][3];
+        if (!are_finite(image->position[i], 4) || !are_finite(image->velocity[i], 3) || !are_finite(image->spin[i], 3) ||
+            !(radius > 0) || !(image->mass[i] > 0) || !isfinite(image->mass[i]))
+            return false;
+        for (int a = 0; a < 3; a++)
+            if (fabs(image->position[i][a]) > (s->length[a] > 0 ? 100 * s->length[a] : 1e6 * radius))
+                return false;
+    }
+    return true;
+}
+
 static enum scree_status held_of(struct held_list *list, const uint64_t *keys, double (*contact)[CONTACT_SLOTS], size_t count,
                                  struct scree_error *err)
 {
@@ -163,6 +192,8 @@ enum scree_status dem_load(const struct dem_image *image, const struct material_
     struct dem *dem = NULL;
     if (!keys_are_sound(image))
         return scree_fail(err, SCREE_CORRUPT, NULL, "the image names grains that it does not hold");
+    if (!state_is_sound(image))
+        return scree_fail(err, SCREE_CORRUPT, NULL, "the image holds numbers that no state has");
     struct dem_setup setup = {.step_s = s->step_s,
                               .walls = image->walls,
                               .wall_count = s->walls,

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/failpoint.h"
 #include "base/memory.h"
 #include "io/h5.h"
 #include "io/seal.h"
@@ -40,8 +41,8 @@ static uint64_t hash_table(uint64_t hash, const struct field_table *table, const
     for (size_t k = 0; k < table->count; k++) {
         const struct field *row = &table->fields[k];
         const char *value = (const char *)object + row->offset;
-        if (row->type == FIELD_TEXT)
-            continue; // titles change nothing
+        if (row->type == FIELD_TEXT || row->aside)
+            continue; // changes no bit of the world
         if (row->type == FIELD_SWITCH)
             hash = hash_bytes(hash, value, sizeof(bool));
         if (row->type == FIELD_GROUP || (row->type == FIELD_SWITCH && *(const bool *)(const void *)value))
@@ -77,34 +78,48 @@ static hid_t type_of(enum world_array_type type)
     return H5T_NATIVE_UINT8;
 }
 
-enum scree_status scree_checkpoint_write(const struct scree_world *world, const char *path, struct scree_error *err)
+static enum scree_status write_image(const struct world_image *image, const char *path, struct scree_error *err)
 {
     char part[4096];
-    struct world_image image;
     struct h5 h5;
     if (snprintf(part, sizeof part, "%s.part", path) >= (int)sizeof part)
         return scree_fail(err, SCREE_IO, "", "the path %s is too long", path);
-    enum scree_status status = world_image_take(world, &image, err);
-    if (status)
-        return status;
     h5_create_after(&h5, part, SEAL_BYTES);
     h5_group(&h5, "/checkpoint");
     h5_attribute_int(&h5, "/checkpoint", "version", CHECKPOINT_VERSION);
     h5_attribute_text(&h5, "/checkpoint", "build", scree_build());
-    h5_attribute_text(&h5, "/checkpoint", "scenario", image.job.scenario->name);
-    h5_attribute_int(&h5, "/checkpoint", "job", (int64_t)hash_job(&image.job));
-    for (size_t k = 0; k < image.count; k++) {
+    h5_attribute_text(&h5, "/checkpoint", "scenario", image->job.scenario->name);
+    h5_attribute_int(&h5, "/checkpoint", "job", (int64_t)hash_job(&image->job));
+    for (size_t k = 0; k < image->count; k++) {
         char at[64];
-        snprintf(at, sizeof at, "/arrays/%02zu.%s", k, image.arrays[k].name);
-        h5_array(&h5, at, type_of(image.arrays[k].type), image.arrays[k].data, image.arrays[k].count);
+        snprintf(at, sizeof at, "/arrays/%02zu.%s", k, image->arrays[k].name);
+        h5_array(&h5, at, type_of(image->arrays[k].type), image->arrays[k].data, image->arrays[k].count);
     }
-    status = h5_close(&h5, err);
+    enum scree_status status = h5_close(&h5, err);
+    FAILPOINT("checkpoint-written");
     if (!status)
         status = seal_write(part, err);
+    FAILPOINT("checkpoint-sealed");
     if (!status)
         status = h5_into_place(part, path, err);
+    FAILPOINT("checkpoint-in-place");
     if (status)
         remove(part);
+    return status;
+}
+
+enum scree_status scree_image_write(const struct scree_image *image, const char *path, struct scree_error *err)
+{
+    return write_image(&image->image, path, err);
+}
+
+enum scree_status scree_checkpoint_write(const struct scree_world *world, const char *path, struct scree_error *err)
+{
+    struct world_image image;
+    enum scree_status status = world_image_take(world, &image, err);
+    if (status)
+        return status;
+    status = write_image(&image, path, err);
     world_image_free(&image);
     return status;
 }

@@ -4,28 +4,17 @@
 #include "measure/bulk.h"
 
 #include <math.h>
+#include <stddef.h>
+
+#include "measure/measure.h"
+#include "measure/window.h"
 
 static const struct scree_column bulk_columns[BULK_COLUMNS] = {
     {"time", "s"}, {"kinetic", "J"}, {"elastic", "J"}, {"speed_rms", "m/s"}, {"centre_z", "m"}, {"vx", "m/s"},     {"vy", "m/s"},
     {"vz", "m/s"}, {"px", "kg m/s"}, {"py", "kg m/s"}, {"pz", "kg m/s"},     {"force_z", "N"},  {"contacts", "1"},
 };
-const struct scree_stream bulk_stream = {"bulk", "energies, centre of mass and momentum of the moving grains", bulk_columns,
-                                         BULK_COLUMNS, false};
-
-static const struct scree_column energy_columns[ENERGY_COLUMNS] = {
-    {"time", "s"},
-    {"gravity_work", "J"},
-    {"kinetic_translation", "J"},
-    {"kinetic_rotation", "J"},
-    {"elastic", "J"},
-    {"dissipated_normal", "J"},
-    {"dissipated_tangential", "J"},
-    {"dissipated_torsion", "J"},
-    {"dissipated_rolling", "J"},
-    {"residual", "J"},
-};
-const struct scree_stream energy_stream = {"energy", "ledger: work of gravity = kinetic + elastic + dissipated + residual",
-                                           energy_columns, ENERGY_COLUMNS, false};
+static const struct scree_stream bulk_stream = {"bulk", "energies, centre of mass and momentum of the moving grains", bulk_columns,
+                                                BULK_COLUMNS, false};
 
 static double square(const double a[3])
 {
@@ -70,19 +59,135 @@ void bulk_row(const struct bulk *b, double row[BULK_COLUMNS])
         row[k] = values[k];
 }
 
-void energy_row(const struct view *view, const struct bulk *b, double start, double row[ENERGY_COLUMNS])
+/* ---- the measurement ---- */
+
+static const struct scree_stream *const streams[] = {&bulk_stream};
+
+struct state {
+    struct window window; // of what samples say, each of weight 1
+    struct series series;
+};
+enum { MEAN_HEIGHT, MEAN_VX, MEAN_SPEED, MEAN_CONTACTS, MEAN_KINETIC }; // in the window
+
+/* Verdicts need samples even where nobody records them. */
+static bool wanted(const struct measure_context *context)
 {
-    double dissipated = view->dissipated_normal + view->dissipated_tangential + view->dissipated_torsion + view->dissipated_rolling;
-    const double values[ENERGY_COLUMNS] = {view->time_s,
-                                           view->gravity_work,
-                                           b->kinetic - b->rotation,
-                                           b->rotation,
-                                           b->elastic,
-                                           view->dissipated_normal,
-                                           view->dissipated_tangential,
-                                           view->dissipated_torsion,
-                                           view->dissipated_rolling,
-                                           view->gravity_work + start - b->kinetic - b->elastic - dissipated};
-    for (int k = 0; k < ENERGY_COLUMNS; k++)
-        row[k] = values[k];
+    return context->site.area > 0;
 }
+
+static enum scree_status start(void *state, const struct measure_context *context, struct scree_error *err)
+{
+    (void)context;
+    (void)err;
+    window_start(&((struct state *)state)->window);
+    return SCREE_OK;
+}
+
+/* Energy that nothing supplied: the time step no longer follows the contacts. */
+static enum scree_status look_for_explosion(const struct measure_context *context, const struct measure_now *now,
+                                            struct scree_error *err)
+{
+    const struct view *view = now->grains;
+    double energy = context->last.kinetic + context->last.elastic, supplied = fabs(view->gravity_work) + context->start_energy;
+    if (isfinite(energy) && energy <= 10 * supplied + 1e-12)
+        return SCREE_OK;
+    size_t fastest = 0;
+    double most = -1;
+    for (size_t i = 0; i < view->moving; i++) {
+        double speed2 = square(view->velocity[i]);
+        if (!(speed2 <= most)) {
+            most = speed2;
+            fastest = i;
+        }
+    }
+    scree_fail(
+        err, SCREE_BLOWUP, NULL,
+        "step %llu: the grains hold %.3g J and gravity and the start have supplied %.3g J; fastest is grain %u at %.3g m/s; last "
+        "good time %.9g s",
+        (unsigned long long)context->step, energy, supplied, view->id[fastest], sqrt(most),
+        view->time_s - (double)now->every * view->step_s);
+    scree_hint(err, "a shorter time.step_s may help");
+    return SCREE_BLOWUP;
+}
+
+static enum scree_status sample(void *state, struct measure_context *context, const struct measure_now *now,
+                                struct scree_error *err)
+{
+    struct state *s = state;
+    const struct bulk *b = &context->last;
+    enum scree_status status = look_for_explosion(context, now, err);
+    if (status)
+        return status;
+    double values[WINDOW_VALUES] = {b->centre_z, b->velocity[0], b->speed_rms, b->contacts, b->kinetic};
+    window_add(&s->window, b->time_s, 1, values);
+    if (context->site.area > 0) {
+        struct verdict *verdict = &context->verdict;
+        verdict_add(verdict, b->time_s, b->kinetic, b->elastic, b->speed_rms, b->centre_z);
+        if (verdict->current != VERDICT_UNDECIDED && (context->job->stop.when >> (verdict->current - 1) & 1))
+            context->stop = true;
+    }
+    if (!s->series.values)
+        return SCREE_OK;
+    double row[BULK_COLUMNS];
+    bulk_row(b, row);
+    return series_add(&s->series, context->sink, b->time_s, row, err);
+}
+
+static size_t numbers(const void *state, const struct measure_context *context, struct scree_number *out, size_t room)
+{
+    const struct measure_site *site = &context->site;
+    const struct bulk *last = &context->last;
+    double mean[WINDOW_VALUES];
+    if (site->area <= 0)
+        return 0;
+    double from = window_means(&((const struct state *)state)->window, measure_window_from(context), mean);
+    double d = site->diameter, g = hypot(context->gravity[0], context->gravity[2]);
+    double height = 2 * (mean[MEAN_HEIGHT] - site->base_z), fraction = last->volume / (site->area * height);
+    /* Bagnold's profile: local inertial number from the mean velocity (protocols 1.11). */
+    double inertial = 2.5 * mean[MEAN_VX] * d / (height * sqrt(fraction * -context->gravity[2] * height));
+    const struct scree_number all[] = {
+        {"window_start", "s", "means below are from here to the end: t_0 if steady, else the last half", from},
+        {"flow_height", "m", "twice the height of the centre of mass over the base", height},
+        {"solid_fraction", "1", "volume of grains over area times flow height", fraction},
+        {"mean_velocity", "m/s", "of the flow downslope", mean[MEAN_VX]},
+        {"mean_velocity_sqrt_gd", "1", "the same over sqrt(g d)", mean[MEAN_VX] / sqrt(g * d)},
+        {"inertial_number", "1", "bulk, from a Bagnold profile", inertial},
+        {"speed_rms", "m/s", "root mean square speed of the grains", mean[MEAN_SPEED]},
+        {"contacts_per_grain", "1", "coordination number", mean[MEAN_CONTACTS]},
+        {"kinetic_energy", "J", "", mean[MEAN_KINETIC]},
+        {"steady_since", "s", "t_0, -1 if the flow was not found steady", context->verdict.t0_s},
+        {"fixed_per_d2", "1", "grains of the base over its area in grain diameters squared",
+         (double)context->fixed * d * d / site->area},
+    };
+    /* The force on the base, where it is recorded, has said from when. */
+    size_t skip = context->job->record.basal_force.on;
+    return measure_numbers(out, room, all + skip, sizeof all / sizeof *all - skip);
+}
+
+static size_t used(const void *state)
+{
+    return window_bytes(&((const struct state *)state)->window);
+}
+
+static bool sound(const void *state, const struct measure_context *context)
+{
+    (void)context;
+    return window_sound(&((const struct state *)state)->window);
+}
+
+const struct measurement measure_bulk = {
+    .name = "bulk",
+    .kind = SCENARIO_DEM,
+    .needs = MEASURE_VIEW,
+    .size = sizeof(struct state),
+    .plain = offsetof(struct state, series),
+    .series = offsetof(struct state, series),
+    .streams = streams,
+    .stream_count = 1,
+    .wanted = wanted,
+    .start = start,
+    .sample = sample,
+    .numbers = numbers,
+    .used = used,
+    .sound = sound,
+};

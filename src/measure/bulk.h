@@ -22,13 +22,12 @@ struct bulk {
 
 /* Rows of the streams `bulk` and `energy`. */
 enum { BULK_COLUMNS = 13, ENERGY_COLUMNS = 10 };
-extern const struct scree_stream bulk_stream, energy_stream;
 
 void bulk_measure(const struct view *view, struct bulk *out);
 void bulk_row(const struct bulk *bulk, double row[BULK_COLUMNS]);
 
 /* `start` is the energy (kinetic and elastic) at t = 0, J: the residual is what
- * the work of gravity and the start leave unexplained. */
+ * the work of gravity and the start leave unexplained (energy.c). */
 void energy_row(const struct view *view, const struct bulk *bulk, double start, double row[ENERGY_COLUMNS]);
 
 #endif

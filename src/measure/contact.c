@@ -4,14 +4,17 @@
 #include "measure/contact.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
+
+#include "measure/measure.h"
 
 static const struct scree_column columns[CONTACT_COLUMNS] = {
     {"time", "s"},    {"overlap", "m"}, {"approach", "m/s"},  {"force_normal", "N"}, {"force_x", "N"},
     {"force_y", "N"}, {"force_z", "N"}, {"torque1_x", "N m"}, {"torque1_y", "N m"},  {"torque1_z", "N m"},
 };
-const struct scree_stream contact_stream = {"contact", "overlap and force of the one contact, of grain 1 on what it meets", columns,
-                                            CONTACT_COLUMNS, false};
+static const struct scree_stream contact_stream = {"contact", "overlap and force of the one contact, of grain 1 on what it meets",
+                                                   columns, CONTACT_COLUMNS, false};
 
 /* Row of the grain with that id, or -1. */
 static long row_of(const struct view *view, uint32_t id)
@@ -105,7 +108,7 @@ void contact_measure(const struct view *view, struct contact_trace *t, double ro
     memcpy(t->last_force, force, sizeof force);
 }
 
-size_t contact_summary(const struct contact_trace *t, double step_s, struct scree_number *numbers)
+size_t contact_summary(const struct contact_trace *t, double step_s, struct scree_number numbers[CONTACT_NUMBERS])
 {
     if (!t->ended)
         return 0;
@@ -130,6 +133,64 @@ size_t contact_summary(const struct contact_trace *t, double step_s, struct scre
         {"spin2_y", "rad/s", "", t->spin_after[1][1]},
         {"spin2_z", "rad/s", "", t->spin_after[1][2]},
     };
+    _Static_assert(sizeof all / sizeof *all == CONTACT_NUMBERS, "as the header says");
     memcpy(numbers, all, sizeof all);
     return sizeof all / sizeof *all;
 }
+
+/* ---- the measurement ---- */
+
+enum { CHUNK = 256 };
+static const struct scree_stream *const streams[] = {&contact_stream};
+
+struct state {
+    struct contact_trace trace;
+    struct series series;
+};
+
+static size_t chunk(const struct measure_context *context)
+{
+    (void)context;
+    return CHUNK;
+}
+
+static enum scree_status first(void *state, struct measure_context *context, const struct measure_now *now, struct scree_error *err)
+{
+    double row[CONTACT_COLUMNS];
+    (void)context;
+    (void)err;
+    contact_measure(now->grains, &((struct state *)state)->trace, row);
+    return SCREE_OK;
+}
+
+static enum scree_status sample(void *state, struct measure_context *context, const struct measure_now *now,
+                                struct scree_error *err)
+{
+    struct state *s = state;
+    double row[CONTACT_COLUMNS];
+    contact_measure(now->grains, &s->trace, row);
+    context->stop = context->stop || s->trace.ended;
+    return series_add(&s->series, context->sink, context->time_s, row, err);
+}
+
+static size_t numbers(const void *state, const struct measure_context *context, struct scree_number *out, size_t room)
+{
+    struct scree_number all[CONTACT_NUMBERS];
+    size_t count = contact_summary(&((const struct state *)state)->trace, context->job->time.step_s, all);
+    return measure_numbers(out, room, all, count);
+}
+
+const struct measurement measure_contact = {
+    .name = "contact",
+    .kind = SCENARIO_DEM,
+    .needs = MEASURE_VIEW,
+    .size = sizeof(struct state),
+    .plain = offsetof(struct state, series),
+    .series = offsetof(struct state, series),
+    .streams = streams,
+    .stream_count = 1,
+    .chunk = chunk,
+    .first = first,
+    .sample = sample,
+    .numbers = numbers,
+};

@@ -6,8 +6,7 @@
 #include "scree.h"
 #include "view.h"
 
-enum { CONTACT_COLUMNS = 10 };
-extern const struct scree_stream contact_stream;
+enum { CONTACT_COLUMNS = 10, CONTACT_NUMBERS = 17 };
 
 struct contact_trace {
     bool touching, ended;
@@ -27,6 +26,6 @@ struct contact_trace {
 void contact_measure(const struct view *view, struct contact_trace *trace, double row[CONTACT_COLUMNS]);
 
 /* Restitution, contact time, ...; returns how many. */
-size_t contact_summary(const struct contact_trace *trace, double step_s, struct scree_number *numbers);
+size_t contact_summary(const struct contact_trace *trace, double step_s, struct scree_number numbers[CONTACT_NUMBERS]);
 
 #endif

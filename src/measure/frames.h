@@ -4,15 +4,6 @@
 #ifndef SCREE_MEASURE_FRAMES_H
 #define SCREE_MEASURE_FRAMES_H
 
-#include "scree.h"
-#include "view.h"
-
 enum { FRAME_ID, FRAME_X, FRAME_RADIUS = 4, FRAME_VX, FRAME_WX = 8, FRAME_MASS = 11, FRAME_FIXED, FRAME_COLUMNS };
-
-extern const struct scree_stream snapshots_stream, grains_stream;
-
-/* Puts one frame as chunk `seq`. */
-enum scree_status frame_put(const struct view *view, const struct scree_stream *stream, uint64_t seq, const struct scree_sink *sink,
-                            struct scree_error *err);
 
 #endif

@@ -46,3 +46,12 @@ enum scree_status series_add(struct series *series, const struct scree_sink *sin
     memcpy(series->values + series->rows * columns, row, columns * sizeof *row);
     return ++series->rows == series->capacity ? series_flush(series, sink, err) : SCREE_OK;
 }
+
+enum scree_status series_put_frame(struct series *series, const struct scree_sink *sink, double t_s, const double *rows,
+                                   size_t count, struct scree_error *err)
+{
+    const struct scree_chunk chunk = {.stream = series->stream, .seq = series->seq, .t0_s = t_s, .rows = count, .values = rows};
+    enum scree_status status = sink->put(sink->context, &chunk, err);
+    series->seq++;
+    return status;
+}

@@ -10,7 +10,7 @@ struct series {
     const struct scree_stream *stream;
     uint64_t seq;    // of the chunk being gathered
     size_t rows;     // in it
-    size_t capacity; // rows of a whole chunk
+    size_t capacity; // rows of a whole chunk; 0: chunks are frames
     double t0_s, dt_s;
     double *values;
 };
@@ -26,5 +26,9 @@ enum scree_status series_add(struct series *series, const struct scree_sink *sin
 
 /* Puts what has been gathered, if anything. */
 enum scree_status series_flush(struct series *series, const struct scree_sink *sink, struct scree_error *err);
+
+/* Puts `rows` rows at one instant as a chunk of their own. */
+enum scree_status series_put_frame(struct series *series, const struct scree_sink *sink, double t_s, const double *rows,
+                                   size_t count, struct scree_error *err);
 
 #endif

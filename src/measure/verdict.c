@@ -26,6 +26,13 @@ void verdict_start(struct verdict *v, double diameter, double gravity, double la
     snprintf(v->evidence, sizeof v->evidence, "no window of %g s has ended yet", WINDOW);
 }
 
+void verdict_restart(struct verdict *v, double now_s, double gravity)
+{
+    verdict_start(v, v->diameter, gravity, v->layers);
+    v->window_end = now_s + WINDOW;
+    snprintf(v->evidence, sizeof v->evidence, "no window of %g s has ended since the change at %.6g s", WINDOW, now_s);
+}
+
 /* Change over four windows by the straight line of least squares, relative to the mean. */
 static double drift(const double mean[VERDICT_WINDOWS])
 {

@@ -32,6 +32,9 @@ struct verdict {
 
 void verdict_start(struct verdict *verdict, double diameter, double gravity, double layers);
 
+/* Forgets what was seen before now_s: forces have changed. */
+void verdict_restart(struct verdict *verdict, double now_s, double gravity);
+
 /* One sample at rising times; updates `current` and `evidence`. */
 void verdict_add(struct verdict *verdict, double time_s, double kinetic, double elastic, double speed_rms, double centre_z);
 

@@ -41,3 +41,13 @@ double window_means(const struct window *w, double from_s, double means[WINDOW_V
         means[v] = weight > 0 ? (w->sum[v] - w->instants[k].sum[v]) / weight : 0;
     return w->instants[k].time_s;
 }
+
+size_t window_bytes(const struct window *w)
+{
+    return offsetof(struct window, instants) + (w->count < WINDOW_INSTANTS ? w->count : WINDOW_INSTANTS) * sizeof *w->instants;
+}
+
+bool window_sound(const struct window *w)
+{
+    return w->count >= 1 && w->count <= WINDOW_INSTANTS && w->every > 0;
+}

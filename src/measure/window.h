@@ -28,4 +28,9 @@ void window_add(struct window *window, double time_s, double weight, const doubl
 /* Means from the last instant at or before from_s to the end; the time at which it begins is returned. */
 double window_means(const struct window *window, double from_s, double means[WINDOW_VALUES]);
 
+/* Bytes in use: instants that were not kept need not be stored. */
+size_t window_bytes(const struct window *window);
+/* Whether a window read from outside is one that additions can make. */
+bool window_sound(const struct window *window);
+
 #endif

@@ -201,6 +201,66 @@ enum scree_status field_check(const struct field_table *table, const void *objec
     return SCREE_OK;
 }
 
+/* Bytes of a plain value. */
+static size_t value_size(const struct field *row)
+{
+    switch (row->type) {
+    case FIELD_REAL:
+        return sizeof(double);
+    case FIELD_INT:
+        return sizeof(int64_t);
+    case FIELD_VEC3:
+        return 3 * sizeof(double);
+    case FIELD_ENUM:
+        return sizeof(int);
+    case FIELD_FLAGS:
+        return sizeof(unsigned);
+    case FIELD_BOOL:
+    case FIELD_SWITCH: // its first member says whether it is on
+        return sizeof(bool);
+    case FIELD_TEXT:
+    case FIELD_GROUP:
+        break;
+    }
+    return 0;
+}
+
+/* Of a group and a switch only what they are, not their parts. */
+static bool row_same(const struct field *row, const void *a, const void *b)
+{
+    return row->type == FIELD_TEXT ? strcmp(a, b) == 0 : memcmp(a, b, value_size(row)) == 0;
+}
+
+bool field_same(const struct field_table *table, const void *a, const void *b)
+{
+    for (size_t k = 0; k < table->count; k++) {
+        const struct field *row = &table->fields[k];
+        const void *x = at_const(a, row), *y = at_const(b, row);
+        bool off = row->type == FIELD_SWITCH && !*(const bool *)x;
+        if (!row->aside && (!row_same(row, x, y) || (row->table && !off && !field_same(row->table, x, y))))
+            return false;
+    }
+    return true;
+}
+
+enum scree_status field_steer_check(const struct field_table *table, const void *from, const void *to, const char *path,
+                                    struct scree_error *err)
+{
+    for (size_t k = 0; k < table->count; k++) {
+        const struct field *row = &table->fields[k];
+        const void *old = at_const(from, row), *new = at_const(to, row);
+        char full[SCREE_PATH_MAX];
+        join(full, path, row->name);
+        if (!row_same(row, old, new) && !row->steerable && !row->aside)
+            return scree_fail(err, SCREE_INVALID, full, "%s: cannot be changed once a job has begun", full);
+        bool off = row->type == FIELD_SWITCH && !*(const bool *)old;
+        enum scree_status status = row->table && !off ? field_steer_check(row->table, old, new, full, err) : SCREE_OK;
+        if (status)
+            return status;
+    }
+    return SCREE_OK;
+}
+
 enum scree_status field_resolve(const struct field_table *table, void *object, const char *dotted, const struct field **row,
                                 void **address, struct scree_error *err)
 {

@@ -42,6 +42,7 @@ struct field {
     const char *const *choices;      // FIELD_ENUM, FIELD_FLAGS: NULL-terminated words
     const struct field_table *table; // FIELD_GROUP, FIELD_SWITCH
     bool steerable;                  // may be changed while the job runs
+    bool aside;                      // changes no bit of what the job computes: titles, threads, priority
 };
 
 struct field_table {
@@ -70,6 +71,14 @@ const char *word_nearest(const char *const *words, const char *word);
  * `path` prefixes the names in the message ("params"). The message has the form
  * `params.slope_deg: 123 is outside 0..60 deg`. */
 enum scree_status field_check(const struct field_table *table, const void *object, const char *path, struct scree_error *err);
+
+/* True when the objects differ at most in what is aside. */
+bool field_same(const struct field_table *table, const void *a, const void *b);
+
+/* SCREE_INVALID names the first value in which the two objects differ that is
+ * neither steerable nor aside. `table` describes both. */
+enum scree_status field_steer_check(const struct field_table *table, const void *from, const void *to, const char *path,
+                                    struct scree_error *err);
 
 /* One value by its dotted path below the table ("basal_force.every_s"): finds
  * row and address. SCREE_INVALID names the unknown part and the nearest known. */

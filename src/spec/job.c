@@ -39,7 +39,8 @@ static const struct field stop_fields[] = {
      .unit = "",
      .doc = "verdicts that end the job; [] runs to time.end_s",
      .source = "",
-     .choices = stop_words},
+     .choices = stop_words,
+     .steerable = true},
 };
 static const struct field_table stop_table = {"stop", "", stop_fields, COUNT(stop_fields), sizeof(struct stop_spec)};
 
@@ -132,7 +133,8 @@ static const struct field job_fields[] = {
      .size = sizeof(((struct job_spec *)0)->title),
      .unit = "",
      .doc = "for people",
-     .source = ""},
+     .source = "",
+     .aside = true},
     {.name = "threads",
      .type = FIELD_INT,
      .offset = offsetof(struct job_spec, threads),
@@ -141,7 +143,8 @@ static const struct field job_fields[] = {
      .preset = 1,
      .unit = "",
      .doc = "threads that step this world together; worth it above some 20,000 grains",
-     .source = ""},
+     .source = "",
+     .aside = true},
     {.name = "priority",
      .type = FIELD_INT,
      .offset = offsetof(struct job_spec, priority),
@@ -151,6 +154,7 @@ static const struct field job_fields[] = {
      .unit = "",
      .doc = "jobs of higher priority leave the queue first",
      .source = "",
+     .aside = true,
      .steerable = true},
     {.name = "time",
      .type = FIELD_GROUP,
@@ -203,4 +207,32 @@ enum scree_status job_check(const struct job_spec *job, double memory_limit, str
         return SCREE_NO_MEMORY;
     }
     return job->scenario->check(job, err);
+}
+
+struct record_choice record_find(const struct job_spec *job, const char *name)
+{
+    const struct field *row = field_find(&record_table, name);
+    if (!row)
+        return (struct record_choice){0};
+    const char *spec = (const char *)&job->record + row->offset;
+    const struct field *every = field_find(row->table, "every_s");
+    return (struct record_choice){
+        .on = *(const bool *)spec, .every_s = every ? *(const double *)(const void *)(spec + every->offset) : 0, .spec = spec};
+}
+
+enum scree_status job_steer_check(const struct job_spec *from, const struct job_spec *to, struct scree_error *err)
+{
+    if (from->scenario != to->scenario)
+        return scree_fail(err, SCREE_INVALID, "scenario", "scenario: cannot be changed once a job has begun");
+    enum scree_status status;
+    if ((status = field_steer_check(&job_table, from, to, "", err)) ||
+        (status = field_steer_check(from->scenario->params, from->params, to->params, "params", err)))
+        return status;
+    return field_steer_check(&material_table, &from->material, &to->material, "material", err);
+}
+
+bool job_same(const struct job_spec *a, const struct job_spec *b)
+{
+    return a->scenario == b->scenario && field_same(&job_table, a, b) && field_same(a->scenario->params, a->params, b->params) &&
+           field_same(&material_table, &a->material, &b->material);
 }

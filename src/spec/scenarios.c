@@ -3,6 +3,7 @@
 #include "spec/scenarios.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "base/text.h"
@@ -53,17 +54,14 @@ static enum scree_status check_interval(double every_s, double step_s, const cha
 
 enum scree_status check_intervals(const struct job_spec *job, struct scree_error *err)
 {
-    const struct record_spec *r = &job->record;
-    const struct {
-        bool on;
-        double every_s;
-        const char *path;
-    } all[] = {{r->basal_force.on, r->basal_force.every_s, "record.basal_force.every_s"},
-               {r->bulk.on, r->bulk.every_s, "record.bulk.every_s"},
-               {r->energy.on, r->energy.every_s, "record.energy.every_s"},
-               {r->snapshots.on, r->snapshots.every_s, "record.snapshots.every_s"}};
-    for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
-        enum scree_status status = all[k].on ? check_interval(all[k].every_s, job->time.step_s, all[k].path, err) : SCREE_OK;
+    const struct field *record = field_find(&job_table, "record");
+    for (size_t k = 0; k < record->table->count; k++) {
+        const char *name = record->table->fields[k].name;
+        const struct record_choice choice = record_find(job, name);
+        char path[96];
+        snprintf(path, sizeof path, "record.%s.every_s", name);
+        enum scree_status status =
+            choice.on && choice.every_s > 0 ? check_interval(choice.every_s, job->time.step_s, path, err) : SCREE_OK;
         if (status)
             return status;
     }

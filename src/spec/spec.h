@@ -195,4 +195,19 @@ void job_defaults(struct job_spec *job, const struct scenario_fields *scenario);
  * scenario's own. `memory_limit` in bytes (0: none). */
 enum scree_status job_check(const struct job_spec *job, double memory_limit, struct scree_error *err);
 
+/* One kind of record by its key under `record`, as the job asks for it. */
+struct record_choice {
+    bool on;
+    double every_s;   // interval; 0: it has none
+    const void *spec; // its struct in the job, which begins with the switch
+};
+struct record_choice record_find(const struct job_spec *job, const char *name);
+
+/* A job that has begun may go on as `to` only where the tables say `steerable`
+ * (or aside): SCREE_INVALID names the first other difference. */
+enum scree_status job_steer_check(const struct job_spec *from, const struct job_spec *to, struct scree_error *err);
+
+/* True when two jobs compute the same bits: they differ at most in what is aside. */
+bool job_same(const struct job_spec *a, const struct job_spec *b);
+
 #endif

@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* See image.h. Small structs (clocks, verdict, windows' heads) go as they are;
+/* See image.h. The body adds its own arrays (kind.h), each measurement's state
+ * goes as its descriptor says. Small structs (clocks, verdict) go as they are;
  * a checkpoint says which build wrote it, and another build's is refused. */
 #include "world/image.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/memory.h"
-#include "dem/image.h"
 #include "world/state.h"
 
 size_t world_array_size(enum world_array_type type)
@@ -17,21 +18,23 @@ size_t world_array_size(enum world_array_type type)
     return sizes[type];
 }
 
-/* What a world keeps beside grains, series and windows. */
+/* What a world keeps beside body and measurements. */
 struct world_head {
-    uint64_t step, stopped, snapshot_seq;
+    uint64_t step, stopped;
     struct bulk last;
     double start_energy;
     struct verdict verdict;
-    struct contact_trace trace;
 };
 struct series_head {
     uint64_t seq, rows;
     double t0_s;
 };
 
-static void add(struct world_image *image, const char *name, enum world_array_type type, size_t count, const void *data)
+/* ---- taking ---- */
+
+void world_image_add(struct world_image *image, const char *name, enum world_array_type type, size_t count, const void *data)
 {
+    assert(image->count < WORLD_ARRAYS_MAX);
     struct world_array *array = &image->arrays[image->count++];
     snprintf(array->name, sizeof array->name, "%s", name);
     array->type = type;
@@ -39,83 +42,85 @@ static void add(struct world_image *image, const char *name, enum world_array_ty
     array->data = data;
 }
 
-/* Adds a copy that the image owns. */
-static enum scree_status add_copy(struct world_image *image, const char *name, const void *data, size_t bytes,
-                                  struct scree_error *err)
+enum scree_status world_image_copy(struct world_image *image, const char *name, const void *data, size_t bytes,
+                                   struct scree_error *err)
 {
+    assert(image->owned_count < WORLD_ARRAYS_MAX);
     void *copy = memory_rows(bytes, 1);
     if (!copy)
         return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for an image");
     memcpy(copy, data, bytes);
     image->owned[image->owned_count++] = copy;
-    add(image, name, ARRAY_BYTES, bytes, copy);
+    world_image_add(image, name, ARRAY_BYTES, bytes, copy);
     return SCREE_OK;
 }
 
-static enum scree_status add_series(struct world_image *image, const char *name, const struct series *series,
-                                    struct scree_error *err)
+/* Names of arrays. */
+struct array_name {
+    char text[sizeof((struct world_array *)0)->name];
+};
+
+static struct array_name state_name(const struct measurement *what)
 {
-    char values[40];
+    struct array_name name;
+    snprintf(name.text, sizeof name.text, "measure.%s", what->name ? what->name : what->streams[0]->name);
+    return name;
+}
+
+static struct array_name buffer_name(const struct measurement *what, size_t buffer)
+{
+    struct array_name name;
+    snprintf(name.text, sizeof name.text, "measure.%s.%zu", what->name, buffer);
+    return name;
+}
+
+static struct array_name series_name(const struct scree_stream *stream, bool values)
+{
+    struct array_name name;
+    snprintf(name.text, sizeof name.text, "series.%s%s", stream->name, values ? ".values" : "");
+    return name;
+}
+
+static enum scree_status take_series(struct world_image *image, const struct series *series, struct scree_error *err)
+{
     const struct series_head head = {series->seq, series->rows, series->t0_s};
-    if (!series->values)
-        return SCREE_OK;
-    snprintf(values, sizeof values, "%s.values", name);
-    add(image, values, ARRAY_REAL, series->rows * series->stream->column_count, series->values);
-    return add_copy(image, name, &head, sizeof head, err);
+    if (series->rows > 0)
+        world_image_add(image, series_name(series->stream, true).text, ARRAY_REAL, series->rows * series->stream->column_count,
+                        series->values);
+    return world_image_copy(image, series_name(series->stream, false).text, &head, sizeof head, err);
 }
 
-/* The head of a window and the instants in use. */
-static size_t window_bytes(const struct window *window)
+static enum scree_status take_measured(struct world_image *image, const struct measured *m, struct scree_error *err)
 {
-    return offsetof(struct window, instants) + window->count * sizeof *window->instants;
-}
-
-static enum scree_status take_dem(const struct scree_world *w, struct world_image *image, struct scree_error *err)
-{
-    struct dem_image d;
-    enum scree_status status = dem_save(w->dem, &d, err);
-    if (status)
-        return status;
-    const struct dem_scalars *s = &d.scalars;
-    /* The contact arrays are handed over. */
-    void *const arrays[] = {d.keys, d.contact, d.out, d.wall_keys, d.wall_contact, d.wall_out, d.wall_overlap};
-    for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
-        image->owned[image->owned_count++] = arrays[k];
-    add(image, "position", ARRAY_REAL, 4 * s->grains, d.position);
-    add(image, "velocity", ARRAY_REAL, 4 * s->grains, d.velocity);
-    add(image, "spin", ARRAY_REAL, 4 * s->grains, d.spin);
-    add(image, "mass", ARRAY_REAL, s->grains, d.mass);
-    add(image, "id", ARRAY_U32, s->grains, d.id);
-    add(image, "walls", ARRAY_BYTES, s->walls * sizeof *d.walls, d.walls);
-    add(image, "contact.key", ARRAY_U64, s->contacts, d.keys);
-    add(image, "contact.memory", ARRAY_REAL, s->contacts * CONTACT_SLOTS, d.contact);
-    add(image, "contact.force", ARRAY_REAL, s->contacts * sizeof *d.out / sizeof(double), d.out);
-    add(image, "wall.key", ARRAY_U64, s->wall_contacts, d.wall_keys);
-    add(image, "wall.memory", ARRAY_REAL, s->wall_contacts * CONTACT_SLOTS, d.wall_contact);
-    add(image, "wall.force", ARRAY_REAL, s->wall_contacts * sizeof *d.wall_out / sizeof(double), d.wall_out);
-    add(image, "wall.overlap", ARRAY_REAL, s->wall_contacts, d.wall_overlap);
-    return add_copy(image, "grains", s, sizeof *s, err);
+    const struct measurement *what = m->what;
+    enum scree_status status = SCREE_OK;
+    if (what->plain > 0)
+        status = world_image_copy(image, state_name(what).text, m->state, what->used ? what->used(m->state) : what->plain, err);
+    for (size_t s = 0; s < what->stream_count && m->recorded && !status; s++)
+        status = take_series(image, &measure_series(what, m->state)[s], err);
+    for (size_t b = 0; b < what->buffer_count && !status; b++) {
+        const struct measure_buffer *buffer = &measure_buffers(what, m->state)[b];
+        world_image_add(image, buffer_name(what, b).text, ARRAY_REAL, buffer->count, buffer->values);
+    }
+    return status;
 }
 
 enum scree_status world_image_take(const struct scree_world *w, struct world_image *image, struct scree_error *err)
 {
+    const struct measure_context *context = &w->context;
     const struct world_head head = {.step = w->step,
-                                    .stopped = w->stopped,
-                                    .snapshot_seq = w->snapshot_seq,
-                                    .last = w->last,
-                                    .start_energy = w->start_energy,
-                                    .verdict = w->verdict,
-                                    .trace = w->trace};
+                                    .stopped = context->stop,
+                                    .last = context->last,
+                                    .start_energy = context->start_energy,
+                                    .verdict = context->verdict};
     memset(image, 0, sizeof *image);
     image->job = w->job;
-    enum scree_status status;
-    if ((status = take_dem(w, image, err)) || (status = add_copy(image, "world", &head, sizeof head, err)) ||
-        (status = add_copy(image, "window.force", &w->force_window, window_bytes(&w->force_window), err)) ||
-        (status = add_copy(image, "window.bulk", &w->bulk_window, window_bytes(&w->bulk_window), err)) ||
-        (status = add_series(image, "series.force", &w->force_series, err)) ||
-        (status = add_series(image, "series.bulk", &w->bulk_series, err)) ||
-        (status = add_series(image, "series.energy", &w->energy_series, err)) ||
-        (status = add_series(image, "series.contact", &w->contact_series, err)))
+    enum scree_status status = w->kind->save(w->body, image, err);
+    if (!status)
+        status = world_image_copy(image, "world", &head, sizeof head, err);
+    for (size_t k = 0; k < w->measured_count && !status; k++)
+        status = take_measured(image, &w->measured[k], err);
+    if (status)
         world_image_free(image);
     return status;
 }
@@ -129,7 +134,7 @@ void world_image_free(struct world_image *image)
 
 /* ---- restoring ---- */
 
-static const struct world_array *find(const struct world_image *image, const char *name)
+const struct world_array *world_image_find(const struct world_image *image, const char *name)
 {
     for (size_t k = 0; k < image->count; k++)
         if (strcmp(image->arrays[k].name, name) == 0)
@@ -137,99 +142,93 @@ static const struct world_array *find(const struct world_image *image, const cha
     return NULL;
 }
 
-/* The array of that name with so many elements, or NULL. */
-static void *need(const struct world_image *image, const char *name, enum world_array_type type, size_t count)
+void *world_image_need(const struct world_image *image, const char *name, enum world_array_type type, size_t count)
 {
-    const struct world_array *array = find(image, name);
+    const struct world_array *array = world_image_find(image, name);
     return array && array->type == type && array->count == count ? (void *)(uintptr_t)array->data : NULL;
 }
 
-static enum scree_status damaged(const char *what, struct scree_error *err)
+enum scree_status world_image_damaged(const char *what, struct scree_error *err)
 {
     return scree_fail(err, SCREE_CORRUPT, NULL, "%s is missing from the image, or not of the right size", what);
 }
 
-static enum scree_status restore_dem(struct scree_world *w, const struct world_image *image, const struct scree_options *options,
-                                     struct scree_error *err)
+static enum scree_status restore_series(const struct world_image *image, struct series *series, struct scree_error *err)
 {
-    struct dem_image d = {.scalars = {0}};
-    const void *scalars = need(image, "grains", ARRAY_BYTES, sizeof d.scalars);
-    if (!scalars)
-        return damaged("grains", err);
-    memcpy(&d.scalars, scalars, sizeof d.scalars);
-    const struct dem_scalars *s = &d.scalars;
-    if (s->grains > SPEC_GRAINS_MAX || s->contacts > 64 * s->grains || s->wall_contacts > 64 * s->grains || s->walls > 1000)
-        return damaged("grains", err);
-    d.position = need(image, "position", ARRAY_REAL, 4 * s->grains);
-    d.velocity = need(image, "velocity", ARRAY_REAL, 4 * s->grains);
-    d.spin = need(image, "spin", ARRAY_REAL, 4 * s->grains);
-    d.mass = need(image, "mass", ARRAY_REAL, s->grains);
-    d.id = need(image, "id", ARRAY_U32, s->grains);
-    d.walls = need(image, "walls", ARRAY_BYTES, s->walls * sizeof *d.walls);
-    d.keys = need(image, "contact.key", ARRAY_U64, s->contacts);
-    d.contact = need(image, "contact.memory", ARRAY_REAL, s->contacts * CONTACT_SLOTS);
-    d.out = need(image, "contact.force", ARRAY_REAL, s->contacts * sizeof *d.out / sizeof(double));
-    d.wall_keys = need(image, "wall.key", ARRAY_U64, s->wall_contacts);
-    d.wall_contact = need(image, "wall.memory", ARRAY_REAL, s->wall_contacts * CONTACT_SLOTS);
-    d.wall_out = need(image, "wall.force", ARRAY_REAL, s->wall_contacts * sizeof *d.wall_out / sizeof(double));
-    d.wall_overlap = need(image, "wall.overlap", ARRAY_REAL, s->wall_contacts);
-    if (!d.position || !d.velocity || !d.spin || !d.mass || !d.id || !d.walls || !d.keys || !d.contact || !d.out || !d.wall_keys ||
-        !d.wall_contact || !d.wall_out || !d.wall_overlap)
-        return damaged("an array of grains or contacts", err);
-    return dem_load(&d, &w->job.material, options ? options->isa : NULL, w->threads, &w->dem, err);
-}
-
-static enum scree_status restore_series(const struct world_image *image, const char *name, struct series *series,
-                                        struct scree_error *err)
-{
-    char values[40];
     struct series_head head;
-    if (!series->values)
-        return SCREE_OK;
-    const void *stored = need(image, name, ARRAY_BYTES, sizeof head);
+    const struct array_name name = series_name(series->stream, false);
+    const void *stored = world_image_need(image, name.text, ARRAY_BYTES, sizeof head);
     if (!stored)
-        return damaged(name, err);
+        return world_image_damaged(name.text, err);
     memcpy(&head, stored, sizeof head);
-    snprintf(values, sizeof values, "%s.values", name);
-    size_t count = head.rows < series->capacity ? head.rows * series->stream->column_count : SIZE_MAX;
-    const void *data = need(image, values, ARRAY_REAL, count);
-    if (!data)
-        return damaged(values, err);
+    if (head.rows > 0) {
+        size_t count = head.rows < series->capacity ? head.rows * series->stream->column_count : SIZE_MAX;
+        const void *data = world_image_need(image, series_name(series->stream, true).text, ARRAY_REAL, count);
+        if (!data)
+            return world_image_damaged(name.text, err);
+        memcpy(series->values, data, count * sizeof(double));
+    }
     series->seq = head.seq;
     series->rows = head.rows;
     series->t0_s = head.t0_s;
-    memcpy(series->values, data, count * sizeof(double));
     return SCREE_OK;
 }
 
-static enum scree_status restore_window(const struct world_image *image, const char *name, struct window *window,
-                                        struct scree_error *err)
+static enum scree_status restore_state(const struct world_image *image, const struct scree_world *w, const struct measured *m,
+                                       struct scree_error *err)
 {
-    const struct world_array *array = find(image, name);
-    size_t head = offsetof(struct window, instants);
-    if (!array || array->type != ARRAY_BYTES || array->count < head || array->count > sizeof *window)
-        return damaged(name, err);
-    memcpy(window, array->data, array->count);
-    return window->count <= WINDOW_INSTANTS && window_bytes(window) == array->count && window->every > 0 ? SCREE_OK
-                                                                                                         : damaged(name, err);
+    const struct measurement *what = m->what;
+    const struct array_name name = state_name(what);
+    const struct world_array *array = world_image_find(image, name.text);
+    if (!array || array->type != ARRAY_BYTES || array->count > what->plain)
+        return world_image_damaged(name.text, err);
+    memcpy(m->state, array->data, array->count);
+    /* What is not in use is not stored: the state says how much is. */
+    bool whole = array->count == (what->used ? what->used(m->state) : what->plain);
+    return whole && (!what->sound || what->sound(m->state, &w->context)) ? SCREE_OK : world_image_damaged(name.text, err);
+}
+
+static enum scree_status restore_buffer(const struct world_image *image, const struct measurement *what, size_t b,
+                                        struct measure_buffer *buffer, struct scree_error *err)
+{
+    const struct array_name name = buffer_name(what, b);
+    const struct world_array *array = world_image_find(image, name.text);
+    if (!array || array->type != ARRAY_REAL || array->count > buffer->most)
+        return world_image_damaged(name.text, err);
+    enum scree_status status = measure_buffer_resize(buffer, array->count, err);
+    if (!status && array->count > 0)
+        memcpy(buffer->values, array->data, array->count * sizeof *buffer->values);
+    return status;
+}
+
+/* Buffers before the state, whose check may look at their size. */
+static enum scree_status restore_measured(const struct world_image *image, const struct scree_world *w, const struct measured *m,
+                                          struct scree_error *err)
+{
+    const struct measurement *what = m->what;
+    enum scree_status status = SCREE_OK;
+    for (size_t b = 0; b < what->buffer_count && !status; b++)
+        status = restore_buffer(image, what, b, &measure_buffers(what, m->state)[b], err);
+    for (size_t s = 0; s < what->stream_count && m->recorded && !status; s++)
+        status = restore_series(image, &measure_series(what, m->state)[s], err);
+    return !status && what->plain > 0 ? restore_state(image, w, m, err) : status;
 }
 
 static enum scree_status restore_head(struct scree_world *w, const struct world_image *image, struct scree_error *err)
 {
     struct world_head head;
-    const void *stored = need(image, "world", ARRAY_BYTES, sizeof head);
+    struct measure_context *context = &w->context;
+    const void *stored = world_image_need(image, "world", ARRAY_BYTES, sizeof head);
     if (!stored)
-        return damaged("world", err);
+        return world_image_damaged("world", err);
     memcpy(&head, stored, sizeof head);
     w->step = head.step;
-    w->stopped = head.stopped != 0;
-    w->snapshot_seq = head.snapshot_seq;
-    w->last = head.last;
-    w->start_energy = head.start_energy;
-    w->verdict = head.verdict;
-    w->verdict.evidence[sizeof w->verdict.evidence - 1] = 0;
-    w->trace = head.trace;
-    return head.verdict.current <= VERDICT_ACCELERATING ? SCREE_OK : damaged("world", err);
+    context->stop = head.stopped != 0;
+    context->last = head.last;
+    context->start_energy = head.start_energy;
+    context->verdict = head.verdict;
+    context->verdict.evidence[sizeof context->verdict.evidence - 1] = 0;
+    return head.verdict.current <= VERDICT_ACCELERATING ? SCREE_OK : world_image_damaged("world", err);
 }
 
 enum scree_status world_image_restore(const struct world_image *image, const struct scree_options *options,
@@ -239,18 +238,17 @@ enum scree_status world_image_restore(const struct world_image *image, const str
     enum scree_status status = world_prepare(&image->job, options, sink, &w, err);
     if (status)
         return status;
-    if ((status = restore_dem(w, image, options, err)) || (status = restore_head(w, image, err)) ||
-        (status = restore_window(image, "window.force", &w->force_window, err)) ||
-        (status = restore_window(image, "window.bulk", &w->bulk_window, err)) ||
-        (status = restore_series(image, "series.force", &w->force_series, err)) ||
-        (status = restore_series(image, "series.bulk", &w->bulk_series, err)) ||
-        (status = restore_series(image, "series.energy", &w->energy_series, err)) ||
-        (status = restore_series(image, "series.contact", &w->contact_series, err))) {
+    if (!(status = w->kind->load(image, &w->making, &w->body, err)))
+        status = restore_head(w, image, err);
+    if (!status)
+        world_look(w);
+    for (size_t k = 0; k < w->measured_count && !status; k++)
+        status = restore_measured(image, w, &w->measured[k], err);
+    if (status)
         scree_world_free(w);
-        return status;
-    }
-    *out = w;
-    return SCREE_OK;
+    else
+        *out = w;
+    return status;
 }
 
 enum scree_status scree_world_fork(const struct scree_world *world, const struct scree_options *options,

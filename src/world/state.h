@@ -1,54 +1,49 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a world keeps beside its grains. Private to this folder. */
+/* What a world keeps beside its body. Private to this folder. */
 #ifndef SCREE_WORLD_STATE_H
 #define SCREE_WORLD_STATE_H
 
-#include "dem/dem.h"
-#include "measure/bulk.h"
-#include "measure/contact.h"
-#include "measure/series.h"
-#include "measure/verdict.h"
-#include "measure/window.h"
-#include "scenario/scenario.h"
+#include "measure/measure.h"
 #include "scree.h"
+#include "world/kind.h"
 
-/* Something taken every so many steps. */
-struct schedule {
-    bool on;
-    uint64_t every; // steps, at least 1
+/* A measurement that this world takes. */
+struct measured {
+    const struct measurement *what;
+    void *state;
+    bool recorded;  // its streams are put
+    uint64_t every; // steps between samples; 0: none are taken
 };
 
-enum { STREAMS_MAX = 8 };
+enum { STREAMS_MAX = 2 * MEASUREMENTS_MAX };
 
 struct scree_world {
     struct job_spec job;
     struct scree_sink sink;
-    const struct scenario *scenario;
-    struct dem *dem;
-    int threads;
+    const struct world_kind *kind;
+    void *body;
+    struct world_making making;
     uint64_t step, end_step;
-    bool stopped, closed;
+    bool closed;
 
-    struct schedule force, bulk, energy, snapshots, contact;
-    struct series force_series, bulk_series, energy_series, contact_series;
-    uint64_t snapshot_seq;
+    struct measured measured[MEASUREMENTS_MAX];
+    size_t measured_count;
+    struct measure_context context;
     const struct scree_stream *streams[STREAMS_MAX];
     size_t stream_count;
-
-    double base_z, area; // of the scenario's base, m, m2
-    struct bulk last;    // the newest sample
-    double start_energy; // J
-    struct verdict verdict;
-    struct window force_window; // force on the base, weighted by steps
-    struct window bulk_window;  // what bulk samples say, each of weight 1
-    struct contact_trace trace;
 };
 
-/* Values of bulk_window. */
-enum { BULK_MEAN_HEIGHT, BULK_MEAN_VX, BULK_MEAN_SPEED, BULK_MEAN_CONTACTS, BULK_MEAN_KINETIC };
-
-/* A world with its records and no grains yet: what making and restoring one share. */
+/* A world with its records and no body yet: what making and restoring one share. */
 enum scree_status world_prepare(const struct job_spec *job, const struct scree_options *options, const struct scree_sink *sink,
                                 struct scree_world **out, struct scree_error *err);
+
+/* Steps between samples of a measurement as the job now says; 0: none are taken. */
+uint64_t world_every(const struct measurement *what, const struct job_spec *job);
+
+/* What the job says, and what the body holds, as of now. */
+void world_look(struct scree_world *world);
+
+/* Contacts that the body has reported go to who asked for them. */
+enum scree_status world_hand_over(struct scree_world *world, struct scree_error *err);
 
 #endif

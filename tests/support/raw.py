@@ -5,6 +5,7 @@ import json
 import os
 import shutil
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
@@ -45,6 +46,22 @@ def crc32c(data):
     for byte in data:
         crc = CRC_ROWS[(crc ^ byte) & 0xFF] ^ crc >> 8
     return crc ^ 0xFFFFFFFF
+
+
+def hash_word(value, word):
+    value = (value ^ word) * 0x9E3779B97F4A7C15 & 0xFFFFFFFFFFFFFFFF
+    return value ^ value >> 29
+
+
+def chunk_hash(before, header, payload):
+    """The running hash of a stream up to and with this chunk (PROTOCOL.md)."""
+    value = hash_word(before, header["seq"])
+    for word in struct.unpack("<2Q", struct.pack("<2d", header["t0_s"], header["dt_s"])):
+        value = hash_word(value, word)
+    value = hash_word(value, header["n"])
+    for word, in struct.iter_unpack("<Q", payload):
+        value = hash_word(value, word)
+    return value
 
 
 def receive(socket, timeout_s):

@@ -1,0 +1,188 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Worlds of grains: the only file of this folder that knows the grain engine. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "dem/dem.h"
+#include "dem/image.h"
+#include "scenario/scenario.h"
+#include "world/kind.h"
+
+struct body {
+    struct dem *dem;
+    struct view view;
+};
+
+static bool knows(const struct job_spec *job)
+{
+    return scenario_implementation(job->scenario->name) != NULL;
+}
+
+static void gravity(const struct job_spec *job, double out[3])
+{
+    scenario_implementation(job->scenario->name)->gravity(job, out);
+}
+
+static void site(const struct job_spec *job, struct measure_site *out)
+{
+    *out = (struct measure_site){.diameter = 2 * job->material.radius_m, .region = {-INFINITY, INFINITY}};
+    scenario_implementation(job->scenario->name)->base(job, &out->base_z, &out->area);
+    out->area_z = out->area;
+}
+
+static enum scree_status make_body(struct body **out, struct scree_error *err)
+{
+    *out = memory_rows(1, sizeof **out);
+    return *out ? SCREE_OK : scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for a world");
+}
+
+static void release(void *body)
+{
+    struct body *b = body;
+    if (b)
+        dem_free(b->dem);
+    free(b);
+}
+
+static enum scree_status build(const struct job_spec *job, const struct world_making *making, void **out, struct scree_error *err)
+{
+    struct body *b;
+    enum scree_status status = make_body(&b, err);
+    if (status)
+        return status;
+    status = scenario_implementation(job->scenario->name)->build(job, making->isa, making->threads, &b->dem, err);
+    if (status)
+        release(b);
+    else
+        *out = b;
+    return status;
+}
+
+static enum scree_status advance(void *body, uint64_t steps, struct scree_error *err)
+{
+    return dem_advance(((struct body *)body)->dem, steps, err);
+}
+
+static struct world_counts counts(const void *body)
+{
+    const struct dem *dem = ((const struct body *)body)->dem;
+    return (struct world_counts){dem_time(dem), dem_moving(dem), dem_fixed(dem), dem_isa(dem)};
+}
+
+static uint64_t hash(const void *body)
+{
+    return dem_hash(((const struct body *)body)->dem);
+}
+
+static enum scree_status view(void *body, struct measure_now *now, struct scree_error *err)
+{
+    struct body *b = body;
+    now->grains = &b->view;
+    return dem_view(b->dem, &b->view, err);
+}
+
+static void take_base_force(void *body, double mean[3])
+{
+    dem_take_base_force(((struct body *)body)->dem, mean);
+}
+
+static bool steer(void *body, const struct job_spec *from, const struct job_spec *to)
+{
+    struct dem *dem = ((struct body *)body)->dem;
+    double before[3], after[3];
+    gravity(from, before);
+    gravity(to, after);
+    bool pulled = memcmp(before, after, sizeof before) != 0, rubbed = from->material.mu_t != to->material.mu_t;
+    if (pulled)
+        dem_set_gravity(dem, after);
+    if (rubbed)
+        dem_set_material(dem, &to->material);
+    return pulled || rubbed;
+}
+
+/* ---- images ---- */
+
+static enum scree_status save(const void *body, struct world_image *image, struct scree_error *err)
+{
+    struct dem_image d;
+    enum scree_status status = dem_save(((const struct body *)body)->dem, &d, err);
+    if (status)
+        return status;
+    const struct dem_scalars *s = &d.scalars;
+    /* The contact arrays are handed over. */
+    void *const arrays[] = {d.keys, d.contact, d.out, d.wall_keys, d.wall_contact, d.wall_out, d.wall_overlap};
+    for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
+        image->owned[image->owned_count++] = arrays[k];
+    world_image_add(image, "position", ARRAY_REAL, 4 * s->grains, d.position);
+    world_image_add(image, "velocity", ARRAY_REAL, 4 * s->grains, d.velocity);
+    world_image_add(image, "spin", ARRAY_REAL, 4 * s->grains, d.spin);
+    world_image_add(image, "mass", ARRAY_REAL, s->grains, d.mass);
+    world_image_add(image, "id", ARRAY_U32, s->grains, d.id);
+    world_image_add(image, "walls", ARRAY_BYTES, s->walls * sizeof *d.walls, d.walls);
+    world_image_add(image, "contact.key", ARRAY_U64, s->contacts, d.keys);
+    world_image_add(image, "contact.memory", ARRAY_REAL, s->contacts * CONTACT_SLOTS, d.contact);
+    world_image_add(image, "contact.force", ARRAY_REAL, s->contacts * sizeof *d.out / sizeof(double), d.out);
+    world_image_add(image, "wall.key", ARRAY_U64, s->wall_contacts, d.wall_keys);
+    world_image_add(image, "wall.memory", ARRAY_REAL, s->wall_contacts * CONTACT_SLOTS, d.wall_contact);
+    world_image_add(image, "wall.force", ARRAY_REAL, s->wall_contacts * sizeof *d.wall_out / sizeof(double), d.wall_out);
+    world_image_add(image, "wall.overlap", ARRAY_REAL, s->wall_contacts, d.wall_overlap);
+    return world_image_copy(image, "grains", s, sizeof *s, err);
+}
+
+static enum scree_status load(const struct world_image *image, const struct world_making *making, void **out,
+                              struct scree_error *err)
+{
+    struct dem_image d = {.scalars = {0}};
+    const void *scalars = world_image_need(image, "grains", ARRAY_BYTES, sizeof d.scalars);
+    if (!scalars)
+        return world_image_damaged("grains", err);
+    memcpy(&d.scalars, scalars, sizeof d.scalars);
+    const struct dem_scalars *s = &d.scalars;
+    if (s->grains > SPEC_GRAINS_MAX || s->contacts > 64 * s->grains || s->wall_contacts > 64 * s->grains || s->walls > 1000)
+        return world_image_damaged("grains", err);
+    d.position = world_image_need(image, "position", ARRAY_REAL, 4 * s->grains);
+    d.velocity = world_image_need(image, "velocity", ARRAY_REAL, 4 * s->grains);
+    d.spin = world_image_need(image, "spin", ARRAY_REAL, 4 * s->grains);
+    d.mass = world_image_need(image, "mass", ARRAY_REAL, s->grains);
+    d.id = world_image_need(image, "id", ARRAY_U32, s->grains);
+    d.walls = world_image_need(image, "walls", ARRAY_BYTES, s->walls * sizeof *d.walls);
+    d.keys = world_image_need(image, "contact.key", ARRAY_U64, s->contacts);
+    d.contact = world_image_need(image, "contact.memory", ARRAY_REAL, s->contacts * CONTACT_SLOTS);
+    d.out = world_image_need(image, "contact.force", ARRAY_REAL, s->contacts * sizeof *d.out / sizeof(double));
+    d.wall_keys = world_image_need(image, "wall.key", ARRAY_U64, s->wall_contacts);
+    d.wall_contact = world_image_need(image, "wall.memory", ARRAY_REAL, s->wall_contacts * CONTACT_SLOTS);
+    d.wall_out = world_image_need(image, "wall.force", ARRAY_REAL, s->wall_contacts * sizeof *d.wall_out / sizeof(double));
+    d.wall_overlap = world_image_need(image, "wall.overlap", ARRAY_REAL, s->wall_contacts);
+    if (!d.position || !d.velocity || !d.spin || !d.mass || !d.id || !d.walls || !d.keys || !d.contact || !d.out || !d.wall_keys ||
+        !d.wall_contact || !d.wall_out || !d.wall_overlap)
+        return world_image_damaged("an array of grains or contacts", err);
+    struct body *b;
+    enum scree_status status = make_body(&b, err);
+    if (status)
+        return status;
+    status = dem_load(&d, &image->job.material, making->isa, making->threads, &b->dem, err);
+    if (status)
+        release(b);
+    else
+        *out = b;
+    return status;
+}
+
+const struct world_kind world_kind_dem = {
+    .kind = SCENARIO_DEM,
+    .knows = knows,
+    .gravity = gravity,
+    .site = site,
+    .build = build,
+    .free = release,
+    .advance = advance,
+    .counts = counts,
+    .hash = hash,
+    .view = view,
+    .take_base_force = take_base_force,
+    .steer = steer,
+    .save = save,
+    .load = load,
+};

@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The list of kinds of worlds; one line each. */
+#include "world/kind.h"
+
+static const struct world_kind *const all[] = {&world_kind_dem, &world_kind_mpm};
+
+const struct world_kind *world_kind_find(const struct job_spec *job)
+{
+    for (size_t k = 0; k < sizeof all / sizeof *all; k++)
+        if (all[k]->kind == job->scenario->kind && all[k]->knows(job))
+            return all[k];
+    return NULL;
+}
