@@ -129,6 +129,12 @@ static bool state_is_sound(const struct dem_image *image)
                              s->gravity[2], s->length[0], s->length[1],  s->length[2]};
     if (!are_finite(bounds, sizeof bounds / sizeof *bounds) || s->step_s <= 0)
         return false;
+    for (size_t w = 0; w < s->walls; w++) {
+        unsigned char flag;
+        memcpy(&flag, &image->walls[w].base, 1); // a bool that holds something else must not be read as one
+        if (flag > 1)
+            return false;
+    }
     for (size_t i = 0; i < s->grains; i++) {
         double radius = image->position[i][3];
         if (!are_finite(image->position[i], 4) || !are_finite(image->velocity[i], 3) || !are_finite(image->spin[i], 3) ||

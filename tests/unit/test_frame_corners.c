@@ -96,7 +96,7 @@ static void foreign_error_codes_are_read(void **state)
         const char *code;
         enum scree_status status;
     } cases[] = {
-        {"bad_request", SCREE_INVALID}, {"conflict", SCREE_INVALID}, {"from_the_future", SCREE_INTERNAL}, {"ok", SCREE_INTERNAL}};
+        {"bad_request", SCREE_INVALID}, {"conflict", SCREE_CONFLICT}, {"from_the_future", SCREE_INTERNAL}, {"ok", SCREE_INTERNAL}};
     for (size_t k = 0; k < COUNT(cases); k++) {
         struct scree_error sent, got;
         scree_fail(&sent, SCREE_INVALID, NULL, "m");
