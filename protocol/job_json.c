@@ -242,10 +242,26 @@ static enum scree_status decode_material(const cJSON *material, struct job_spec 
     return table_decode(kind->table, material, "material", &out->material, material_others, err);
 }
 
+/* A published run named in params: its values are where the other keys start from. */
+static enum scree_status decode_adopted(const cJSON *json, struct job_spec *out, struct scree_error *err)
+{
+    const char *key = out->scenario->adopt_key;
+    const cJSON *params = json_get(json, "params"), *item = key && cJSON_IsObject(params) ? json_get(params, key) : NULL;
+    if (!item)
+        return SCREE_OK;
+    char path[SCREE_PATH_MAX];
+    const struct field *row = field_find(out->scenario->params, key);
+    join(path, "params", key);
+    enum scree_status status = decode_row(row, item, path, out->params + row->offset, err);
+    if (!status)
+        out->scenario->adopt(out);
+    return status;
+}
+
 enum scree_status job_decode(const cJSON *json, struct job_spec *out, struct scree_error *err)
 {
     enum scree_status status = decode_scenario(json, out, err);
-    if (status || (status = table_decode(&job_table, json, "", out, job_others, err)))
+    if (status || (status = decode_adopted(json, out, err)) || (status = table_decode(&job_table, json, "", out, job_others, err)))
         return status;
     const cJSON *params = json_get(json, "params"), *material = json_get(json, "material");
     if (params && (status = table_decode(out->scenario->params, params, "params", out->params, NULL, err)))

@@ -26,6 +26,10 @@ struct continuum_view {
     double base_force[3];             // on the floor in the last step, N
     double kinetic, potential;        // J; potential -m g.x
     double volume;                    // of all material, m3
+    /* How it was solved: rows and mean and largest squared residual of the last step; sweeps and steps whose sweeps ran
+     * out, since the start. */
+    uint64_t rows, sweeps, unconverged;
+    double residual_mean, residual_largest;
 };
 
 static inline int continuum_layers(const struct continuum_view *view, int axis)

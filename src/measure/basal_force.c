@@ -90,3 +90,20 @@ const struct measurement measure_basal_force = {
     .used = used,
     .sound = sound,
 };
+
+/* The same of a continuum. What it weighs is not in the numbers: bulk sums are of grains. */
+const struct measurement measure_basal_force_continuum = {
+    .name = "basal_force",
+    .kind = SCENARIO_MPM,
+    .needs = MEASURE_BASE_FORCE,
+    .size = sizeof(struct state),
+    .plain = offsetof(struct state, series),
+    .series = offsetof(struct state, series),
+    .streams = streams,
+    .stream_count = 1,
+    .chunk = chunk,
+    .start = start,
+    .sample = sample,
+    .used = used,
+    .sound = sound,
+};

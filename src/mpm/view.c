@@ -120,7 +120,12 @@ enum scree_status mpm_view(struct mpm *mpm, struct continuum_view *view, struct 
                                     .fraction = mpm->view_fraction,
                                     .node_velocity = (const double(*)[4])mpm->view_node_velocity,
                                     .stress = (const double(*)[8])mpm->view_stress,
-                                    .volume = mpm->total_volume};
+                                    .volume = mpm->total_volume,
+                                    .rows = mpm->report.rows,
+                                    .sweeps = mpm->report.sweeps_total,
+                                    .unconverged = mpm->report.unconverged,
+                                    .residual_mean = mpm->report.residual.mean,
+                                    .residual_largest = mpm->report.residual.largest};
     memcpy(view->gravity, mpm->gravity, sizeof view->gravity);
     memcpy(view->length, g->length, sizeof view->length);
     memcpy(view->spacing, g->spacing, sizeof view->spacing);

@@ -52,7 +52,7 @@ struct world_kind {
                               struct scree_error *err);
 };
 
-extern const struct world_kind world_kind_dem;
+extern const struct world_kind world_kind_dem, world_kind_mpm;
 
 /* Whose scenario the job's is, or NULL. */
 const struct world_kind *world_kind_find(const struct job_spec *job);

@@ -1,0 +1,149 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A collapse as the service runs it: the same chunks and numbers however it is sliced, threaded, forked or restarted. */
+#include "unit.h"
+
+#include <stdio.h>
+#include <unistd.h>
+
+#include "scree.h"
+#include "spec/scenarios.h"
+
+/* Everything that was put, stream by stream in the order of the chunks. */
+struct heard {
+    uint64_t hash, chunks;
+};
+
+static enum scree_status put(void *context, const struct scree_chunk *chunk, struct scree_error *err)
+{
+    struct heard *heard = context;
+    (void)err;
+    const uint64_t *words = (const uint64_t *)(const void *)chunk->values;
+    uint64_t sum = chunk->seq * 31 + chunk->rows;
+    for (size_t k = 0; k < chunk->rows * chunk->stream->column_count; k++)
+        sum = (sum ^ words[k]) * 0x100000001b3u;
+    for (const char *name = chunk->stream->name; *name; name++)
+        sum = (sum ^ (uint64_t)*name) * 0x100000001b3u;
+    heard->hash += sum; // streams may take turns differently; chunks may not differ
+    heard->chunks++;
+    return SCREE_OK;
+}
+
+static void small_job(struct job_spec *job)
+{
+    job_defaults(job, &scenario_collapse_fields);
+    struct collapse_params *p = (struct collapse_params *)(void *)job->params;
+    p->cell_m = 0.03;
+    p->cell_height_m = 0.0149;
+    p->gate_wait_s = 0.01;
+    p->slope_deg = 10;
+    p->continuum.points = 2;
+    p->continuum.law = LAW_MU_I;
+    p->continuum.mu = 0.38;
+    job->time.end_s = 0.1;
+    job->record.snapshots.on = true;
+    job->record.snapshots.every_s = 0.05;
+    job->record.bulk.every_s = 0.01;
+    assert_int_equal(job_check(job, 0, NULL), SCREE_OK);
+}
+
+static struct scree_world *start(const struct scree_sink *sink, int threads)
+{
+    struct job_spec job;
+    struct scree_world *world;
+    struct scree_error err;
+    struct scree_options options = {.threads = threads};
+    small_job(&job);
+    if (scree_world_create(&job, &options, sink, &world, &err) != SCREE_OK)
+        fail_msg("%s", err.message);
+    return world;
+}
+
+static void go(struct scree_world *world, uint64_t slice)
+{
+    while (!scree_world_progress(world).finished)
+        assert_int_equal(scree_world_advance(world, slice, NULL), SCREE_OK);
+}
+
+static uint64_t end(struct scree_world *world)
+{
+    assert_int_equal(scree_world_close(world, NULL), SCREE_OK);
+    uint64_t hash = scree_world_hash(world);
+    scree_world_free(world);
+    return hash;
+}
+
+static uint64_t whole(struct heard *heard, int threads, uint64_t slice)
+{
+    const struct scree_sink sink = {put, heard};
+    struct scree_world *world = start(&sink, threads);
+    go(world, slice);
+    return end(world);
+}
+
+static void slices_and_threads_do_not_show(void **state)
+{
+    (void)state;
+    struct heard one = {0}, two = {0};
+    uint64_t hash = whole(&one, 1, 100000);
+    assert_true(one.chunks > 4);
+    assert_int_equal(whole(&two, 2, 7), hash);
+    assert_int_equal(one.hash, two.hash);
+    assert_int_equal(one.chunks, two.chunks);
+}
+
+static void a_fork_goes_on_alike(void **state)
+{
+    (void)state;
+    struct heard first = {0}, second = {0}, reference = {0};
+    const struct scree_sink a = {put, &first}, b = {put, &second};
+    uint64_t hash = whole(&reference, 1, 100000);
+    struct scree_world *world = start(&a, 1), *fork;
+    assert_int_equal(scree_world_advance(world, 53, NULL), SCREE_OK);
+    second = first;
+    assert_int_equal(scree_world_fork(world, NULL, &b, &fork, NULL), SCREE_OK);
+    go(world, 100000);
+    go(fork, 11);
+    struct scree_number x[SCREE_SUMMARY_MAX], y[SCREE_SUMMARY_MAX];
+    size_t n = scree_world_summary(world, x);
+    assert_int_equal(scree_world_summary(fork, y), n);
+    assert_true(n > 10);
+    for (size_t k = 0; k < n; k++)
+        assert_memory_equal(&x[k].value, &y[k].value, sizeof x[k].value);
+    assert_int_equal(end(world), hash);
+    assert_int_equal(end(fork), hash);
+    assert_int_equal(first.hash, reference.hash);
+    assert_int_equal(second.hash, reference.hash);
+}
+
+static void a_restart_does_not_show(void **state)
+{
+    (void)state;
+    struct heard heard = {0}, reference = {0};
+    const struct scree_sink sink = {put, &heard};
+    uint64_t hash = whole(&reference, 1, 100000);
+    char path[64];
+    struct scree_error err;
+    struct job_spec job;
+    snprintf(path, sizeof path, "continuum-%d.h5", (int)getpid());
+    small_job(&job);
+    struct scree_world *world = start(&sink, 1);
+    assert_int_equal(scree_world_advance(world, 61, NULL), SCREE_OK);
+    assert_int_equal(scree_checkpoint_write(world, path, &err), SCREE_OK);
+    scree_world_free(world);
+    if (scree_checkpoint_read(path, &job, &(struct scree_options){.threads = 3}, &sink, &world, &err) != SCREE_OK)
+        fail_msg("%s", err.message);
+    remove(path);
+    go(world, 100000);
+    assert_int_equal(end(world), hash);
+    assert_int_equal(heard.hash, reference.hash);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(slices_and_threads_do_not_show),
+        cmocka_unit_test(a_fork_goes_on_alike),
+        cmocka_unit_test(a_restart_does_not_show),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
