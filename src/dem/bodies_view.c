@@ -103,6 +103,10 @@ bool bodies_are_sound(const struct dem_image *image)
     for (size_t k = 0; k < count; k++)
         if (image->body_first[k + 1] <= image->body_first[k] || image->body_first[k + 1] > image->scalars.moving)
             return false;
+    for (size_t k = 0; k < DEM_BODY_ROWS * count; k++)
+        for (int a = 0; a < 4; a++)
+            if (!isfinite(image->body[k][a]))
+                return false;
     return true;
 }
 

@@ -335,10 +335,10 @@ void dem_set_gravity(struct dem *dem, const double gravity[3])
     dem->start_potential = dem->motion->potential(dem) + dem->wrapped_work - before;
 }
 
-void dem_set_material(struct dem *dem, const struct material_spec *material)
+void dem_set_material(struct dem *dem, const void *matter)
 {
     for (int k = 0; k < LAW_PARTNERS; k++)
-        dem->law->coefs(material, k, dem->step_s, &dem->coefs[k]);
+        dem->law->coefs(matter, k, dem->step_s, &dem->coefs[k]);
 }
 
 struct dem_counts dem_counts(const struct dem *dem)

@@ -110,7 +110,7 @@ size_t dem_take_formations(struct dem *dem, const struct view_formation **format
 /* Steering: takes effect with the next step. */
 void dem_set_gravity(struct dem *dem, const double gravity[3]);
 /* The same for what the material says of contacts (not radii and densities: grains have theirs). */
-void dem_set_material(struct dem *dem, const struct material_spec *material);
+void dem_set_material(struct dem *dem, const void *matter); // the struct that its law takes
 
 /* Over positions, velocities, spins (at their half steps) and contact histories, by grain id. */
 uint64_t dem_hash(const struct dem *dem);

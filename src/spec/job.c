@@ -376,11 +376,11 @@ enum scree_status job_steer_check(const struct job_spec *from, const struct job_
     if ((status = field_steer_check(&job_table, from, to, "", err)) ||
         (status = field_steer_check(from->scenario->params, from->params, to->params, "params", err)))
         return status;
-    return field_steer_check(&material_table, &from->material, &to->material, "material", err);
+    return field_steer_check(scenario_material(from->scenario)->table, &from->material, &to->material, "material", err);
 }
 
 bool job_same(const struct job_spec *a, const struct job_spec *b)
 {
     return a->scenario == b->scenario && field_same(&job_table, a, b) && field_same(a->scenario->params, a->params, b->params) &&
-           field_same(&material_table, &a->material, &b->material);
+           field_same(scenario_material(a->scenario)->table, &a->material, &b->material);
 }

@@ -164,6 +164,8 @@ static void faces_edges_and_corners_count_once(void **state)
     assert_int_equal(contacts_at(mesh, s / 2, s / 2, R - e, &overlap), 1); // on the diagonal that two triangles share
     assert_true(fabs(overlap - e) < 1e-12);
     assert_int_equal(contacts_at(mesh, s / 3, s / 2, R - e, &overlap), 1);
+    /* Deep, and 0.3 R beside the diagonal: the other triangle offers that, 18 degrees off the normal, as a rim. */
+    assert_int_equal(contacts_at(mesh, s / 2 + 0.21 * R, s / 2 - 0.21 * R, 0.9 * R, &overlap), 1);
     assert_int_equal(contacts_at(mesh, R - e, s / 2, R - e, &overlap), 2);
     assert_int_equal(contacts_at(mesh, R - e, R - e, R - e, &overlap), 3);
     assert_true(fabs(overlap - e) < 1e-12);
