@@ -96,11 +96,12 @@ static enum scree_status sample(void *state, struct measure_context *context, co
     return series_add(&s->series, context->sink, context->time_s, row, err);
 }
 
-static size_t numbers(const void *state, const struct measure_context *context, struct scree_number *out, size_t room)
+static size_t numbers(const void *state, const struct measure_context *context, const struct measure_now *now,
+                      struct scree_number *out, size_t room)
 {
     const struct state *s = state;
     const struct deposit *d = &s->last;
-    (void)context;
+    (void)context, (void)now;
     const struct scree_number all[] = {
         {"run_out", "m", "from the gate to where the deposit is 2 mm deep, at the side wall", d->run_out},
         {"furthest", "m", "of a point 2 mm above the bed, from the back wall", d->furthest},

@@ -26,7 +26,6 @@ struct measure_site {
     double area_z;       // area that sums along z are per: the whole base, or its part within `region`; 0: nothing flows on it, m2
     double region[2];    // y of what counts, m: [from, to)
     size_t layers;       // grains over each point of the base: profiles reach four times as high
-    double top_z;        // profiles of a continuum reach up to here, m
     struct mobility_site fall;  // of flows that are let go and come to rest; count 0 for others
     double bed, gate_x, gate_s; // of a collapse: depth of its bed, where its gate stands, when that begins to lift, m, m, s
     bool gate;                  // is there one?

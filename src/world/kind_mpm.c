@@ -25,8 +25,9 @@ static void gravity(const struct job_spec *job, double out[3])
     continuum_scenario_find(job->scenario->name)->gravity(job, out);
 }
 
-static void site(const struct job_spec *job, struct measure_site *out)
+static enum scree_status site(const struct job_spec *job, struct measure_site *out, struct scree_error *err)
 {
+    (void)err;
     struct continuum_plan plan;
     continuum_scenario_find(job->scenario->name)->plan(job, &plan);
     const struct mpm_setup *s = &plan.setup;
@@ -39,6 +40,7 @@ static void site(const struct job_spec *job, struct measure_site *out)
                                  .gate_x = plan.gate_x,
                                  .gate_s = plan.start_s,
                                  .gate = s->body_count > 0};
+    return SCREE_OK;
 }
 
 static enum scree_status make_body(const struct job_spec *job, const struct world_making *making, struct body **out,
