@@ -58,7 +58,7 @@ static const struct field series_fields[] = {
      .max = 65536,
      .preset = 1024,
      .unit = "samples",
-     .doc = "samples in a chunk of the stream",
+     .doc = "samples in a chunk of the stream; each chunk is a commit to disk, so take more where every_s is short",
      .source = ""},
 };
 static const struct field bulk_fields[] = {EVERY(1e-3, "interval between samples")};
