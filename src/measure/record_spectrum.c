@@ -50,7 +50,8 @@ static struct shape shape_of(const struct measure_context *context)
     s.bins = length / 2 + 1;
     s.df = length > 0 ? 1 / ((double)length * dt) : 1;
     s.width = fmax(fmax(BAND_HZ, s.df), 0.5 / dt / (BANDS_MAX - 1));
-    s.bands = (size_t)fmin(BANDS_MAX, ceil((double)s.bins * s.df / s.width));
+    s.bands = spectrum_band_count(s.bins, s.df, s.width);
+    s.bands = s.bands < BANDS_MAX ? s.bands : BANDS_MAX;
     return s;
 }
 
@@ -133,7 +134,7 @@ static double mean_of(const struct state *s, const struct measure_context *conte
     struct shape shape = shape_of(context);
     history_since(&s->history, s->buffers, measure_window_from(context), sums);
     for (size_t k = 0; k < shape.bands; k++) {
-        band[k][0] = ((double)k + 0.5) * shape.width;
+        band[k][0] = spectrum_band_middle(k, shape.bins, shape.df, shape.width);
         for (size_t a = 0; a < 3; a++)
             band[k][1 + a] = sums[WINDOWS] > 0 ? sums[HEAD + 3 * k + a] / sums[WINDOWS] : 0;
     }
