@@ -75,6 +75,8 @@ static enum scree_status note(struct state *s, const struct measure_context *con
         sums[TANGENTIAL2] += slide2;
         sums[FIRST_BIN + bin_of(fabs(f->approach))] += 1;
     }
+    if (f->time_s < context->job->record.collisions.from_s)
+        return SCREE_OK;
     return series_add(&s->series, context->sink, f->time_s, row, err);
 }
 
