@@ -6,6 +6,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "calibrate/digits.h"
+
 static const struct curve {
     int panel;
     double scale; // of the value as shown
@@ -45,6 +47,8 @@ void plot_profiles_take(void *context, const struct reader_chunk *chunk)
         for (size_t k = 0; k < CURVES; k++) { // what nothing was seen of has no value
             int c = column_of(chunk, curves[k].column);
             bool there = c >= 0 && (row[c] != 0 || curves[k].panel == 0);
+            if (there && curves[k].panel == 3)
+                p->impacts = fmax(p->impacts, row[c] * curves[k].scale);
             fprintf(p->script, there ? " %.9g" : " ?", there ? row[c] * curves[k].scale : 0);
         }
         putc('\n', p->script);
@@ -65,6 +69,8 @@ void plot_profiles_draw(const struct plot_profiles *p, double low, double high)
         fprintf(p->script, "set origin %.6g,%.6g\nset size %.6g,%.6g\nset xlabel '%s'\n", panel / (double)PANELS, low, 1.0 / PANELS,
                 high, axes[panel]);
         fprintf(p->script, panel == 2 ? "set logscale x\nset format x '%%.0e'\n" : panel == 0 ? "set xrange [0:1]\n" : "");
+        if (panel == 3 && p->impacts > 0)
+            fprintf(p->script, "set xtics 0,%.9g\n", digits_round(p->impacts / 3, 1));
         fprintf(p->script, "plot ");
         for (int k = 0; k < (int)CURVES; k++)
             if (curves[k].panel == panel)

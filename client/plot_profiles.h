@@ -9,7 +9,8 @@
 
 struct plot_profiles {
     FILE *script;
-    double top; // of what flows, mm
+    double top;     // of what flows, mm
+    double impacts; // most, as drawn
     size_t rows;
 };
 

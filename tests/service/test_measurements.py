@@ -115,6 +115,25 @@ class Measurements(unittest.TestCase):
         for word in ("corner", "Pz_fit", "solid fraction", "height over the base", "frequency (Hz)"):
             self.assertIn(word, text)
 
+    def test_a_sweeps_picture_says_how_models_did(self):
+        sweep = os.path.join(self.folder.name, "s.json")
+        with open(sweep, "w", encoding="utf-8") as file:
+            json.dump({"study": "sweep", "grid": {"params.slope_deg": [24, 28]}, "job": {**SPEC, "title": ""}}, file)
+        study, picture = self.scree("submit", sweep).stdout.strip(), os.path.join(self.folder.name, "s.svg")
+        self.scree("wait", study)
+        self.scree("plot", study, "-o", picture)
+        table = self.daemon.control.ask("table", {"job": study})
+        names = [head["name"] for head in table["columns"]]
+        power, minimal, pressure = (numpy.array([row[names.index(name)] for row in table["rows"]])
+                                    for name in ("spectrum_power", "model_minimal", "model_pressure"))
+        with open(picture, encoding="utf-8") as file:
+            text = file.read()
+        error = numpy.exp(numpy.sqrt((numpy.log(minimal / power) ** 2).mean()))
+        self.assertIn(f"minimal: {error:.3g}", text)
+        off = numpy.log(pressure / power)  # its factor is free
+        self.assertIn(f"pressure (fitted): {numpy.exp(off.std()):.3g}", text)
+        self.assertIn("inertial number", text)
+
     def test_windows_that_do_not_fit_are_refused_with_what_is_needed(self):
         for spectrum, message in (({"window_s": 0.2}, "record.spectrum.window_s: 0.2 s is longer than the run, which ends at 0.1 s"),
                                   ({"window_s": 1e-4}, "record.spectrum.window_s: 0.0001 s holds 40 blocks of "

@@ -341,9 +341,6 @@ static void models_have_their_closed_forms(void **state)
     double u = 1 + rate * 0.5 * D, du = rate * D, layer = AREA * 0.56 * M_PI / 6 * density * density * D * D * D;
     near(p.thin / (layer * (u * u * u + 3 * u * 0.004)), 1, 1e-9);
     near(p.thick / (layer * (du * du * du + 3 * du * 0.004)), 1, 1e-9);
-    const double predicted[] = {2, 0.5, 2}, measured[] = {1, 1, 1};
-    near(models_error(predicted, measured, 3), 2, 1e-12);
-    near(models_error(measured, measured, 3), 1, 1e-15);
 }
 
 int main(void)
