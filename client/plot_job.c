@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A job's force and spectrum; see plot.h.
+/* A job's force, spectrum and profiles; see plot.h.
  *
  * A force stream has millions of samples and a picture a thousand columns: samples
  * are gathered into bins of equal time, each with mean, least and largest value of
@@ -11,10 +11,12 @@
 #include "calibrate/digits.h"
 #include "output.h"
 #include "plot.h"
+#include "plot_profiles.h"
 #include "reader.h"
 
 #define FORCE    "basal_force"
-#define SPECTRUM "spectrum"
+#define PROFILES "profiles"
+#define SPECTRUM "spectrum" // or its mean, once the job has ended
 
 enum { BINS = 900, COMPONENTS = 3, WIDTH = 1000, HEIGHT = 340, READ_SECONDS = 60 };
 
@@ -155,6 +157,7 @@ struct spectrum {
     int frequency; // column
     size_t columns;
     char names[8][64];
+    double least; // power
     size_t rows;
 };
 
@@ -180,47 +183,95 @@ static void take_spectrum(void *context, const struct reader_chunk *chunk)
             continue; // the axis is logarithmic
         for (size_t c = 0; c < s->columns; c++)
             fprintf(s->script, row[c] > 0 ? " %.9g" : " ?", row[c]);
+        for (size_t c = 1; c < s->columns && c <= COMPONENTS; c++)
+            if (row[c] > 0 && (!(s->least > 0) || row[c] < s->least))
+                s->least = row[c];
         putc('\n', s->script);
         s->rows++;
     }
     fprintf(s->script, "EOD\n");
 }
 
-static void draw_spectrum(struct picture *p, const struct spectrum *s)
+/* The fit, where there is one, in black, its corner marked. */
+static void draw_spectrum(struct picture *p, const cJSON *record, const struct spectrum *s)
 {
-    fprintf(p->script,
-            "set logscale xy\nset format xy '%%.0e'\nset xlabel 'frequency (Hz)'\nset ylabel 'power spectral density'\nplot ");
+    double corner = number_of(record, "spectrum_corner"), power = number_of(record, "spectrum_power");
+    bool fitted = corner > 0 && power > 0;
+    fprintf(p->script, "set logscale xy\nset format xy '%%.0e'\nset xlabel 'frequency (Hz)'\nset ylabel 'power, two-sided "
+                       "(N2/Hz)'\n");
+    fprintf(p->script, "set xrange [*:*] noextend\nset yrange [%.3g:*]\n", 0.3 * s->least);
+    if (fitted)
+        fprintf(p->script,
+                "set arrow 1 from %.9g, graph 0 to %.9g, graph 1 nohead dt 3 lw 1.5 lc rgb '#444444'\n"
+                "set label 1 'corner %.3g kHz, P0 %.3g N2/Hz' at %.9g, graph 0.06 right offset -1,0 tc rgb '#444444'\n",
+                corner, corner, corner / 1e3, power, corner);
+    fprintf(p->script, "plot ");
     for (size_t c = 0; c < s->columns; c++) {
         if ((int)c == s->frequency)
             continue;
-        fprintf(p->script, "$spectrum using %d:%zu with lines lw 1.2 title ", s->frequency + 1, c + 1);
+        bool fit = c > COMPONENTS;
+        fprintf(p->script, "$spectrum using %d:%zu with lines lw %s lc rgb '%s' title ", s->frequency + 1, c + 1,
+                fit ? "2 dt 2" : "1.2", fit || c == 0 ? "#000000" : colours[c - 1]);
         picture_quote(p, s->names[c]);
         fprintf(p->script, ", ");
     }
-    fprintf(p->script, "NaN notitle\n");
+    fprintf(
+        p->script,
+        "NaN notitle\nunset arrow\nunset label\nunset logscale\nset format xy '%%g'\nset xrange [*:*] extend\nset yrange [*:*]\n");
+}
+
+/* The newest frame of what there is: means, once the job has ended; a running job's last window until then. */
+static enum outcome read_newest(struct link *link, const cJSON *record, const char *means, const char *windows,
+                                void (*take)(void *, const struct reader_chunk *), void *context, struct scree_error *err)
+{
+    const char *stream = chunks_of(record, means) > 0 ? means : windows;
+    uint64_t last = chunks_of(record, stream);
+    return last > 0 ? read_chunks(link, json_text(record, "id"), stream, last - 1, last, take, context, err) : OUTCOME_DONE;
+}
+
+static int rows_of(const cJSON *record)
+{
+    return 2 + (chunks_of(record, SPECTRUM) > 0) + (chunks_of(record, PROFILES) > 0);
+}
+
+/* Where the next plot goes: a row of `rows`, from the top, under the title. */
+static void place_row(struct picture *p, int row, int rows)
+{
+    double high = 0.95 / rows;
+    fprintf(p->script, "set origin 0,%.6g\nset size 1,%.6g\n", 0.95 - (row + 1) * high, high);
 }
 
 static enum outcome write_script(struct link *link, const cJSON *record, struct picture *p, struct trace *t,
                                  struct scree_error *err)
 {
     const char *id = json_text(record, "id"), *title = json_text(record, "title"), *state = json_text(record, "state");
-    uint64_t last = chunks_of(record, SPECTRUM);
     struct spectrum spectrum = {.script = p->script, .frequency = -1};
+    struct plot_profiles profiles = {.script = p->script};
+    int row = 0, rows = rows_of(record);
     char heading[200];
     enum outcome outcome = read_chunks(link, id, FORCE, 0, chunks_of(record, FORCE), take_force, t, err);
-    if (!outcome && last > 0)
-        outcome = read_chunks(link, id, SPECTRUM, last - 1, last, take_spectrum, &spectrum, err);
+    if (!outcome)
+        outcome = read_newest(link, record, SPECTRUM "_mean", SPECTRUM, take_spectrum, &spectrum, err);
+    if (!outcome)
+        outcome = read_newest(link, record, PROFILES "_mean", PROFILES, plot_profiles_take, &profiles, err);
     if (outcome)
         return outcome;
     snprintf(heading, sizeof heading, "%.20s  %.60s  %.20s  %.20s", id, json_text(record, "scenario"), state,
              json_text(record, "verdict"));
     write_trace(p, t);
-    fprintf(p->script, "set multiplot layout %d,1 ", spectrum.rows > 0 ? 3 : 2);
+    fprintf(p->script, "set multiplot ");
     picture_title(p, "title", heading, title);
+    place_row(p, row++, rows);
     draw_means(p, record, t);
+    place_row(p, row++, rows);
     draw_extremes(p);
-    if (spectrum.rows > 0)
-        draw_spectrum(p, &spectrum);
+    place_row(p, row, rows);
+    if (spectrum.rows > 0) {
+        draw_spectrum(p, record, &spectrum);
+        row++;
+    }
+    if (profiles.rows > 0)
+        plot_profiles_draw(&profiles, 0.95 - 0.95 * (row + 1) / rows, 0.95 / rows);
     fprintf(p->script, "unset multiplot\n");
     return OUTCOME_DONE;
 }
@@ -238,7 +289,7 @@ enum outcome plot_job(struct link *link, const cJSON *record, const char *file, 
     if (!trace)
         return outcome_fail(err, OUTCOME_FAILED, "no memory for a picture");
     trace->end = json_number(record, "time_s", 0);
-    enum outcome outcome = picture_start(&picture, file, WIDTH, (chunks_of(record, SPECTRUM) ? 3 : 2) * HEIGHT, err);
+    enum outcome outcome = picture_start(&picture, file, WIDTH, rows_of(record) * HEIGHT, err);
     if (!outcome && !(outcome = write_script(link, record, &picture, trace, err)))
         outcome = picture_draw(&picture, err);
     picture_free(&picture);

@@ -7,6 +7,7 @@
 
 #include "output.h"
 #include "plot.h"
+#include "plot_models.h"
 #include "spec/field.h"
 
 enum { WIDTH = 900, HEIGHT = 600, SERIES_MAX = 24, GROUPS_MAX = 4, LABEL_MAX = 160 };
@@ -14,13 +15,13 @@ enum { WIDTH = 900, HEIGHT = 600, SERIES_MAX = 24, GROUPS_MAX = 4, LABEL_MAX = 1
 static const char *const colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#999933"};
 enum { COLOURS = sizeof colours / sizeof *colours };
 
-static void heading(struct picture *p, const cJSON *record)
+static void heading(struct picture *p, const cJSON *record, const char *command)
 {
     char text[200];
     const char *title = json_text(record, "title"), *conclusion = json_text(record, "conclusion");
     snprintf(text, sizeof text, "%.20s  %.20s  %.20s  %.20s", json_text(record, "id"), json_text(record, "kind"),
              json_text(record, "state"), conclusion ? conclusion : "");
-    picture_title(p, "set title", text, title);
+    picture_title(p, command, text, title);
 }
 
 /* ---- a search ---- */
@@ -107,7 +108,7 @@ static enum outcome draw_search(const cJSON *record, struct picture *p, struct s
         return outcome_fail(err, OUTCOME_REFUSED, "%.20s has no bracket to draw yet", json_text(record, "id"));
     write_answers(p, record, over, counts);
     write_brackets(p, record, replicas);
-    heading(p, record);
+    heading(p, record, "set title");
     snprintf(label, sizeof label, "%.100s%s%.20s%s", over, unit && *unit ? " (" : "", unit ? unit : "", unit && *unit ? ")" : "");
     fprintf(p->script, "set ylabel ");
     picture_quote(p, label);
@@ -352,7 +353,7 @@ static enum outcome draw_sweep(const cJSON *record, const cJSON *table, const ch
     size_t count = collect(&c, points, labels, &series);
     write_series(p, points, count, series);
     free(points);
-    heading(p, record);
+    heading(p, record, "set title");
     set_axis(p, &c, c.x, 'x');
     set_axis(p, &c, c.y, 'y');
     fprintf(p->script, "set key outside right top reverse Left\nplot ");
@@ -371,6 +372,15 @@ static enum outcome draw_sweep(const cJSON *record, const cJSON *table, const ch
     return OUTCOME_DONE;
 }
 
+/* Flows whose force has a spectrum. */
+static enum outcome draw_powers(const cJSON *record, const cJSON *table, struct picture *p)
+{
+    heading(p, record, "set multiplot title");
+    plot_models_draw(p, table);
+    fprintf(p->script, "unset multiplot\n");
+    return OUTCOME_DONE;
+}
+
 enum outcome plot_study(struct link *link, const cJSON *record, const char *x, const char *y, const char *file,
                         struct scree_error *err)
 {
@@ -382,7 +392,8 @@ enum outcome plot_study(struct link *link, const cJSON *record, const char *x, c
     if (!outcome && search)
         outcome = draw_search(record, &picture, err);
     else if (!outcome && !(outcome = link_job(link, "table", id ? id : "", &table, err)))
-        outcome = draw_sweep(record, table, x, y, &picture, err);
+        outcome = !x && !y && plot_models_fit(table) ? draw_powers(record, table, &picture)
+                                                     : draw_sweep(record, table, x, y, &picture, err);
     if (!outcome)
         outcome = picture_draw(&picture, err);
     picture_free(&picture);

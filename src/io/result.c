@@ -3,7 +3,8 @@
  *
  *     /h5md                      version, author, creator
  *     /particles/grains          box, id, radius, mass, position, velocity, spin {value, step, time}
- *     /observables/STREAM        basal_force: value [n][3] with a fixed interval; others a dataset a column
+ *     /observables/STREAM        basal_force: value [n][3] with a fixed interval; others a dataset a column, where
+ *                                they are frames with frame_time and frame_rows
  *     /parameters                spec, journal and numbers as text and attributes, read from the field tables
  *
  * The file is made beside its place, flushed to disk and renamed, so that a
@@ -152,7 +153,7 @@ static enum scree_status write_uniform(struct h5 *h5, const struct scree_stream 
     }
 }
 
-/* A dataset a column; the first is time. */
+/* A dataset a column. Of frames the rows of all follow each other; when each was and how many rows it has stand beside. */
 static enum scree_status write_columns(struct h5 *h5, const struct scree_stream *stream, const struct scree_source *source,
                                        struct scree_error *err)
 {
@@ -165,6 +166,14 @@ static enum scree_status write_columns(struct h5 *h5, const struct scree_stream 
         snprintf(column, sizeof column, "%s/%s", at, stream->columns[c].name);
         h5_table(h5, column, 0, 1024);
         h5_attribute_text(h5, column, "unit", stream->columns[c].unit);
+    }
+    char times[160], sizes[160];
+    snprintf(times, sizeof times, "%s/frame_time", at);
+    snprintf(sizes, sizeof sizes, "%s/frame_rows", at);
+    if (stream->frames) {
+        h5_table(h5, times, 0, 64);
+        h5_attribute_text(h5, times, "unit", "s");
+        h5_table(h5, sizes, 0, 64);
     }
     struct scree_chunk chunk;
     double *values = NULL;
@@ -181,6 +190,11 @@ static enum scree_status write_columns(struct h5 *h5, const struct scree_stream 
             for (size_t k = 0; k < chunk.rows; k++)
                 values[k] = chunk.values[k * stream->column_count + c];
             h5_append(h5, column, values, chunk.rows, 0);
+        }
+        double rows = (double)chunk.rows;
+        if (stream->frames) {
+            h5_append(h5, times, &chunk.t0_s, 1, 0);
+            h5_append(h5, sizes, &rows, 1, 0);
         }
     }
     free(values);
@@ -293,7 +307,8 @@ static enum scree_status write_streams(struct h5 *h5, const struct scree_result 
     for (size_t s = 0; s < r->stream_count; s++) {
         const struct scree_stream *stream = r->streams[s];
         enum scree_status status = SCREE_OK;
-        if (!stream->frames && strcmp(stream->columns[0].name, "time") == 0)
+        bool grains = strcmp(stream->name, "snapshots") == 0 || strcmp(stream->name, "grains") == 0; // see write_grains
+        if (stream->frames ? !grains : strcmp(stream->columns[0].name, "time") == 0)
             status = write_columns(h5, stream, source, err);
         else if (!stream->frames)
             status = write_uniform(h5, stream, source, r->job->time.step_s, err);

@@ -35,7 +35,7 @@ struct state {
     struct measure_buffer buffers[HISTORY_BUFFERS];
 };
 
-#define KEEP_EVERY 0.05 // s between instants of the history
+#define KEEP_PER_S 20.0 // instants of the history, at whole multiples of 0.05 s
 
 static size_t chunk(const struct measure_context *context)
 {
@@ -63,11 +63,13 @@ static enum scree_status note(struct state *s, const struct measure_context *con
     double partner = f->b < VIEW_WALL ? f->fixed : f->fixed ? 2 : 3;
     const double row[COLUMNS] = {f->time_s,    f->place[0], f->place[1],       f->place[2], f->approach,
                                  sqrt(slide2), f->a,        f->b & ~VIEW_WALL, partner};
-    if (f->time_s >= s->kept_s + KEEP_EVERY) { // instants follow collisions, never slices
-        enum scree_status status = history_keep(&s->history, s->buffers, f->time_s, err);
+    /* All before that instant have been seen when the first after it comes: instants follow collisions, never slices. */
+    double instant = floor(f->time_s * KEEP_PER_S * (1 + 1e-12)) / KEEP_PER_S;
+    if (instant > s->kept_s) {
+        enum scree_status status = history_keep(&s->history, s->buffers, instant, err);
         if (status)
             return status;
-        s->kept_s = f->time_s;
+        s->kept_s = instant;
     }
     if (f->place[1] >= context->site.region[0] && f->place[1] < context->site.region[1]) {
         sums[COUNT] += 1;
@@ -75,6 +77,8 @@ static enum scree_status note(struct state *s, const struct measure_context *con
         sums[TANGENTIAL2] += slide2;
         sums[FIRST_BIN + bin_of(fabs(f->approach))] += 1;
     }
+    if (f->time_s < context->job->record.collisions.from_s)
+        return SCREE_OK;
     return series_add(&s->series, context->sink, f->time_s, row, err);
 }
 

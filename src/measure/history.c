@@ -46,7 +46,8 @@ double history_since(const struct history *h, const struct measure_buffer *buffe
     const struct measure_buffer *now = &buffers[HISTORY_NOW], *kept = &buffers[HISTORY_KEPT];
     size_t stride = h->width + 1, count = kept->count / stride;
     const double *then = NULL;
-    for (size_t k = 0; k < count && kept->values[k * stride] <= from_s; k++)
+    /* Times are products of steps: an instant that rounding put after from_s is at it. */
+    for (size_t k = 0; k < count && kept->values[k * stride] <= from_s * (1 + 1e-12); k++)
         if (memcmp(kept->values + k * stride + 1, now->values, h->width * sizeof *now->values) != 0)
             then = kept->values + k * stride;
     for (size_t v = 0; v < h->width; v++)

@@ -47,13 +47,3 @@ void models_power(const struct coarse_grid *grid, const struct profile *profile,
     out->thin = layer_power(grid, density, fraction, speed, temperature);
     out->thick = layer_power(grid, density, fraction, fabs(above - below), temperature);
 }
-
-double models_error(const double *predicted, const double *measured, size_t n)
-{
-    double sum = 0;
-    for (size_t k = 0; k < n; k++) {
-        double off = log(predicted[k] / measured[k]);
-        sum += off * off;
-    }
-    return exp(sqrt(sum / (double)n));
-}

@@ -6,7 +6,8 @@
  * idea (protocols 1.12) from impacts at rate n_I(z) with impulse J(z):
  *     P_F^0 = A int n_I(z) J(z)^2 <cos^2> T(z) dz
  * with T what the way to the base leaves. None has a fitted constant but those
- * named below. Do not cite numbers from here as the papers'. */
+ * named below. Do not cite numbers from here as the papers'. How well they do over
+ * several flows (epsilon) is drawn by `scree plot` of a sweep. */
 #ifndef SCREE_MEASURE_MODELS_H
 #define SCREE_MEASURE_MODELS_H
 
@@ -33,8 +34,5 @@ double models_minimal_integrand(const struct coarse_grid *grid, const struct pro
 /* Predictions for the flow over grid->area, N2/Hz. */
 void models_power(const struct coarse_grid *grid, const struct profile *profile, const struct profile_bulk *bulk, double base_z,
                   double density, struct model_power *out);
-
-/* Geometric standard error of predictions: exp sqrt(mean ln^2(predicted / measured)) (seed 000 S1). */
-double models_error(const double *predicted, const double *measured, size_t n);
 
 #endif

@@ -108,10 +108,9 @@ void profiles_bulk(const struct coarse_grid *grid, const struct profile *p, doub
     out->h1 = mass > 0 ? 2 * (moment / mass - base_z) : 0;
     if (!(out->h1 > grid->step) || grid->count < 2)
         return;
-    double middle = base_z + 0.5 * out->h1, above = 0;
+    double middle = base_z + 0.5 * out->h1;
     out->h2 = half_height(grid, p, middle) - base_z;
     for (size_t k = 0; k < grid->count; k++) {
-        above += p[k].z > middle ? p[k].fraction * grid->step : 0;
         if (p[k].z <= base_z || p[k].z >= base_z + out->h1)
             continue;
         double rate = fabs(slope(grid, p, k)) * grid->diameter;
@@ -129,6 +128,9 @@ void profiles_bulk(const struct coarse_grid *grid, const struct profile *p, doub
     if (gravity_normal > 0)
         out->inertial = 2.5 * out->velocity * grid->diameter / (out->h1 * sqrt(out->fraction * gravity_normal * out->h1));
     size_t k = (size_t)fmin(fmax(round((middle - grid->first) / grid->step), 0), (double)(grid->count - 1));
+    double above = 0.5 * p[k].fraction * grid->step; // trapezoid: what weighs on height k
+    for (size_t j = k + 1; j < grid->count; j++)
+        above += p[j].fraction * grid->step;
     if (above > 0 && gravity_normal > 0)
         out->local = fabs(slope(grid, p, k)) * grid->diameter * sqrt(1 / (gravity_normal * above));
 }

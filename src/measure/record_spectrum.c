@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/memory.h"
 #include "measure/history.h"
@@ -15,8 +16,12 @@ enum { COLUMNS = 4 };
 #define DOC "power of the force on the base, two-sided (the integral over both signs of f is the variance), "
 static const struct scree_stream bands = {"spectrum", DOC "mean over bands of 1 kHz; a frame a window", columns, COLUMNS, true};
 static const struct scree_stream octaves = {"spectrum_octaves", DOC "mean over octaves; a frame a window", columns, COLUMNS, true};
-static const struct scree_stream means = {"spectrum_mean", DOC "mean over bands of 1 kHz and the summary's windows", columns,
-                                          COLUMNS, true};
+static const struct scree_column mean_columns[] = {
+    {"f", "Hz"}, {"Px", "N2/Hz"}, {"Py", "N2/Hz"}, {"Pz", "N2/Hz"}, {"Pz_fit", "N2/Hz"}};
+enum { MEAN_COLUMNS = COLUMNS + 1 };
+static const struct scree_stream means = {
+    "spectrum_mean", DOC "mean over bands of 1 kHz and the summary's windows; Pz_fit: P_F^0 zeta(f tau) as fitted, 0: no fit",
+    mean_columns, MEAN_COLUMNS, true};
 static const struct scree_stream *const streams[] = {&bands, &octaves, &means};
 enum { BANDS, OCTAVES, MEANS, STREAMS };
 
@@ -50,7 +55,8 @@ static struct shape shape_of(const struct measure_context *context)
     s.bins = length / 2 + 1;
     s.df = length > 0 ? 1 / ((double)length * dt) : 1;
     s.width = fmax(fmax(BAND_HZ, s.df), 0.5 / dt / (BANDS_MAX - 1));
-    s.bands = (size_t)fmin(BANDS_MAX, ceil((double)s.bins * s.df / s.width));
+    s.bands = spectrum_band_count(s.bins, s.df, s.width);
+    s.bands = s.bands < BANDS_MAX ? s.bands : BANDS_MAX;
     return s;
 }
 
@@ -133,42 +139,59 @@ static double mean_of(const struct state *s, const struct measure_context *conte
     struct shape shape = shape_of(context);
     history_since(&s->history, s->buffers, measure_window_from(context), sums);
     for (size_t k = 0; k < shape.bands; k++) {
-        band[k][0] = ((double)k + 0.5) * shape.width;
+        band[k][0] = spectrum_band_middle(k, shape.bins, shape.df, shape.width);
         for (size_t a = 0; a < 3; a++)
             band[k][1 + a] = sums[WINDOWS] > 0 ? sums[HEAD + 3 * k + a] / sums[WINDOWS] : 0;
     }
     return sums[WINDOWS];
 }
 
+/* Of F_z. False where it cannot be fitted. */
+static bool fit_of(double (*band)[COLUMNS], size_t count, struct spectrum_fit *fit)
+{
+    double *f = memory_rows(2 * count, sizeof *f), *power = f + count;
+    *fit = (struct spectrum_fit){0};
+    if (!f)
+        return false;
+    for (size_t k = 0; k < count; k++) {
+        f[k] = band[k][0];
+        power[k] = band[k][3];
+    }
+    bool fitted = !spectrum_fit(f, power, count, fit, NULL);
+    free(f);
+    return fitted;
+}
+
 static enum scree_status close(void *state, struct measure_context *context, const struct measure_now *now, struct scree_error *err)
 {
     struct state *s = state;
     struct shape shape = shape_of(context);
+    struct spectrum_fit fit;
     double *sums = memory_rows(s->history.width, sizeof *sums);
-    double(*band)[COLUMNS] = memory_rows(shape.bands, sizeof *band);
+    double(*band)[COLUMNS] = memory_rows(shape.bands, sizeof *band), (*row)[MEAN_COLUMNS] = memory_rows(shape.bands, sizeof *row);
     enum scree_status status = SCREE_OK;
     (void)now;
-    if (!sums || !band)
+    if (!sums || !band || !row) {
         status = scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for a spectrum");
-    else if (mean_of(s, context, sums, band) > 0)
-        status = series_put_frame(&s->series[MEANS], context->sink, context->time_s, band[0], shape.bands, err);
+    } else if (mean_of(s, context, sums, band) > 0) {
+        bool fitted = fit_of(band, shape.bands, &fit);
+        for (size_t k = 0; k < shape.bands; k++) {
+            memcpy(row[k], band[k], sizeof band[k]);
+            row[k][COLUMNS] = fitted ? fit.power * zeta(row[k][0] * fit.tau) : 0;
+        }
+        status = series_put_frame(&s->series[MEANS], context->sink, context->time_s, row[0], shape.bands, err);
+    }
     free(sums);
     free(band);
+    free(row);
     return status;
 }
 
 static size_t write_numbers(const struct measure_context *context, double windows, double force, double (*band)[COLUMNS],
                             size_t bands_count, struct scree_number *out, size_t room)
 {
-    double *f = memory_rows(2 * bands_count, sizeof *f), *power = f + bands_count;
-    struct spectrum_fit fit = {0};
-    if (!f)
-        return 0;
-    for (size_t k = 0; k < bands_count; k++) {
-        f[k] = band[k][0];
-        power[k] = band[k][3];
-    }
-    bool fitted = !spectrum_fit(f, power, bands_count, &fit, NULL);
+    struct spectrum_fit fit;
+    bool fitted = fit_of(band, bands_count, &fit);
     double d = context->site.diameter, area = context->site.area_z;
     /* High-frequency variance, the fit's over both signs of f, over the squared mean force; made intensive by A / d^2
      * (protocols 1.10). */
@@ -182,7 +205,6 @@ static size_t write_numbers(const struct measure_context *context, double window
         {"force_fluctuation", "1", "dF^2: high-frequency variance of F_z over its squared mean, times area over d^2",
          force != 0 && area > 0 ? area / (d * d) * variance / (force * force) : 0},
     };
-    free(f);
     return measure_numbers(out, room, all, sizeof all / sizeof *all);
 }
 

@@ -146,18 +146,36 @@ enum scree_status spectrum_welch(const double *x, size_t n, size_t stride, doubl
     return SCREE_OK;
 }
 
+size_t spectrum_band_count(size_t bins, double df, double width)
+{
+    double highest = (double)(bins - 1) * df / width; // rounding must not make a band of the highest bin alone
+    return highest > 1 ? (size_t)ceil(highest * (1 - 1e-12)) : 1;
+}
+
+/* First bin of band b; the bin at 0 is of none. */
+static size_t band_first(size_t b, size_t bins, double df, double width)
+{
+    double first = ceil((double)b * width / df * (1 - 1e-12));
+    return first < 1 ? 1 : first < (double)bins ? (size_t)first : bins;
+}
+
+double spectrum_band_middle(size_t b, size_t bins, double df, double width)
+{
+    size_t from = band_first(b, bins, df, width), to = band_first(b + 1, bins, df, width);
+    return from < to ? 0.5 * df * (double)(from + to - 1) : ((double)b + 0.5) * width;
+}
+
 size_t spectrum_bands(const double *power, size_t bins, double df, double width, double *f, double *band, size_t room)
 {
-    size_t count = (size_t)ceil((double)bins * df / width), k = 1;
+    size_t count = spectrum_band_count(bins, df, width);
     count = count < room ? count : room;
     for (size_t b = 0; b < count; b++) {
-        double sum = 0, number = 0;
-        for (; k < bins && (double)k * df < (double)(b + 1) * width; k++) {
+        size_t from = band_first(b, bins, df, width), to = band_first(b + 1, bins, df, width);
+        double sum = 0;
+        for (size_t k = from; k < to; k++)
             sum += power[k];
-            number += 1;
-        }
-        f[b] = ((double)b + 0.5) * width;
-        band[b] = number > 0 ? sum / number : 0;
+        f[b] = spectrum_band_middle(b, bins, df, width);
+        band[b] = to > from ? sum / (double)(to - from) : 0;
     }
     return count;
 }
@@ -180,17 +198,18 @@ size_t spectrum_octaves(const double *power, size_t bins, double df, double *f, 
 
 /* ---- fit ---- */
 
-#define FIT_EDGE  (1.5 / ZETA_T0) // f tau below this
+#define FIT_FLOOR 0.02            // share of P_F^0 under which powers hardly count
+#define FIT_EDGE  (1.5 / ZETA_T0) // f tau where zeta comes to less; as many frequencies as a fit needs must lie below
 #define FIT_LOW   1e-7            // s, tau tried
 #define FIT_HIGH  1e-3
 #define FIT_RATIO 1.002
-enum { FIT_LEAST = 8 };
+enum { FIT_LEAST = 8, FIT_ROUNDS = 8 };
 
-static double log_zeta(double f)
+static double shape_at(double f)
 {
     double place = f / TABLE_TO * TABLE;
-    size_t k = (size_t)place;
-    return log(zeta_table[k] + (place - (double)k) * (zeta_table[k + 1] - zeta_table[k]));
+    size_t k = (size_t)fmin(place, TABLE);
+    return k >= TABLE ? 0 : zeta_table[k] + (place - (double)k) * (zeta_table[k + 1] - zeta_table[k]);
 }
 
 static bool usable(double f, double power)
@@ -198,39 +217,60 @@ static bool usable(double f, double power)
     return f >= SPECTRUM_FIT_FROM && f <= SPECTRUM_FIT_TO && power > 0;
 }
 
-/* The best P0 at that tau; `used` 0 where tau leaves too few frequencies. */
-static struct spectrum_fit fit_at(double tau, const double *f, const double *power, size_t n)
+/* Frequencies that count and lie below an edge. */
+static size_t below(double edge, const double *f, const double *power, size_t n)
 {
-    double sum = 0, sum2 = 0;
-    size_t used = 0;
+    size_t count = 0;
     for (size_t k = 0; k < n; k++)
-        if (usable(f[k], power[k]) && f[k] * tau < FIT_EDGE) {
-            double d = log(power[k]) - log_zeta(f[k] * tau);
-            sum += d;
-            sum2 += d * d;
-            used++;
+        count += f[k] < edge && usable(f[k], power[k]);
+    return count;
+}
+
+/* The best P0 at that tau, by Gauss and Newton in ln P0 from `guess`. */
+static struct spectrum_fit fit_at(double tau, double guess, const double *f, const double *power, size_t n)
+{
+    struct spectrum_fit fit = {.power = guess, .tau = tau};
+    double shift = 1;
+    for (int round = 0; round < FIT_ROUNDS && fabs(shift) > 1e-6; round++) {
+        double sum = 0, weights = 0;
+        fit.used = 0;
+        fit.misfit = 0;
+        for (size_t k = 0; k < n; k++) {
+            if (!usable(f[k], power[k]))
+                continue;
+            double share = power[k] / fit.power, off = log((share + FIT_FLOOR) / (shape_at(f[k] * tau) + FIT_FLOOR));
+            double weight = share / (share + FIT_FLOOR); // -d off / d ln P0
+            sum += weight * off;
+            weights += weight * weight;
+            fit.misfit += off * off;
+            fit.used++;
         }
-    if (used < FIT_LEAST)
-        return (struct spectrum_fit){0};
-    double mean = sum / (double)used;
-    return (struct spectrum_fit){exp(mean), tau, sqrt(fmax(0, sum2 / (double)used - mean * mean)), used};
+        fit.misfit = sqrt(fit.misfit / (double)fit.used);
+        shift = fmin(fmax(sum / weights, -2), 2);
+        if (fabs(shift) > 1e-6)
+            fit.power *= exp(shift);
+    }
+    return fit;
 }
 
 enum scree_status spectrum_fit(const double *f, const double *power, size_t n, struct spectrum_fit *out, struct scree_error *err)
 {
+    size_t count = below(SPECTRUM_FIT_TO * 2, f, power, n);
+    double guess = 0;
     pthread_once(&table_once, make_table);
-    size_t count = 0;
     for (size_t k = 0; k < n; k++)
-        count += usable(f[k], power[k]);
+        guess += usable(f[k], power[k]) ? log(power[k]) : 0;
     *out = (struct spectrum_fit){0};
-    for (double tau = FIT_LOW; tau < FIT_HIGH; tau *= FIT_RATIO) {
-        struct spectrum_fit fit = fit_at(tau, f, power, n);
-        if (fit.used > 0 && (out->used == 0 || fit.misfit < out->misfit))
+    if (count < FIT_LEAST)
+        return scree_fail(err, SCREE_INVALID, NULL,
+                          "a fit of zeta needs at least %d frequencies with power between 2 and 150 kHz, and there are %zu",
+                          FIT_LEAST, count);
+    guess = exp(guess / (double)count);
+    for (double tau = FIT_LOW; tau < FIT_HIGH && below(FIT_EDGE / tau, f, power, n) >= FIT_LEAST; tau *= FIT_RATIO) {
+        struct spectrum_fit fit = fit_at(tau, guess, f, power, n);
+        if (out->used == 0 || fit.misfit < out->misfit)
             *out = fit;
+        guess = fit.power;
     }
-    return out->used > 0
-               ? SCREE_OK
-               : scree_fail(err, SCREE_INVALID, NULL,
-                            "a fit of zeta needs at least %d frequencies with power between 2 and 150 kHz, and there are %zu",
-                            FIT_LEAST, count);
+    return SCREE_OK;
 }

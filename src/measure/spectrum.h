@@ -43,8 +43,11 @@ enum scree_status spectrum_welch(const double *x, size_t n, size_t stride, doubl
 /* What a mean over blocks of dt leaves of power at f: sinc^2(f dt). */
 double spectrum_block_gain(double f, double dt);
 
-/* Means of `bins` bins, df apart, the one at 0 left out, over bands [b width, (b + 1) width). Returns how many bands,
- * at most `room`; their middles into f. Bands without a bin are 0. */
+/* Bands [b width, (b + 1) width) of `bins` bins, df apart: how many; the mean frequency of a band's bins (of its ends
+ * where it has none). The bin at 0 is of no band, nor is the highest where it alone would be one. */
+size_t spectrum_band_count(size_t bins, double df, double width);
+double spectrum_band_middle(size_t b, size_t bins, double df, double width);
+/* Means over these bands. Returns how many, at most `room`; their middles into f. Bands without a bin are 0. */
 size_t spectrum_bands(const double *power, size_t bins, double df, double width, double *f, double *band, size_t room);
 /* The same over octaves below the highest frequency, lowest first: each [top / 2^(k+1), top / 2^k) that has a bin; f is its
  * geometric middle. */
@@ -57,12 +60,12 @@ size_t spectrum_octaves(const double *power, size_t bins, double df, double *f, 
 struct spectrum_fit {
     double power;  // P_F^0, N2/Hz
     double tau;    // s; the corner frequency is ZETA_CORNER / tau
-    double misfit; // root mean square of ln P - ln(P_F^0 zeta)
+    double misfit; // root mean square of what is left, see spectrum_fit
     size_t used;   // frequencies
 };
-/* log P against log(P_F^0 zeta(f tau)), least squares in two parameters over [2, 150] kHz. Impacts of a flow differ, so
- * its spectrum lacks zeta's zeros (first at 1.80 / T0): frequencies above 1.5 / (T0 tau) are left out.
- * SCREE_INVALID where fewer than 8 frequencies can be used. */
+/* ln(P / P_F^0 + e) against ln(zeta(f tau) + e), least squares in two parameters over [2, 150] kHz, every frequency alike
+ * (protocols 1.10). e is 2 %: impacts of a flow differ, so its spectrum lacks zeta's zeros, and what lies that far under
+ * P_F^0 must not decide. SCREE_INVALID where fewer than 8 frequencies can be used. */
 enum scree_status spectrum_fit(const double *f, const double *power, size_t n, struct spectrum_fit *out, struct scree_error *err);
 
 #endif

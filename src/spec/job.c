@@ -98,6 +98,14 @@ static const struct field collisions_fields[] = {
      .unit = "collisions",
      .doc = "collisions in a chunk of the stream",
      .source = ""},
+    {.name = "from_s",
+     .type = FIELD_REAL,
+     .offset = offsetof(struct record_log, from_s),
+     .min = 0,
+     .max = 1e6,
+     .unit = "s",
+     .doc = "time from which collisions go into the stream; those before count in the summary alone",
+     .source = ""},
 };
 static const struct field spectrum_fields[] = {
     {.name = "window_s",

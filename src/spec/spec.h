@@ -118,6 +118,7 @@ struct record_profiles { // profiles along the base's normal
 struct record_log { // a record an event, `chunk` of them a chunk
     bool on;
     int64_t chunk;
+    double from_s; // of the stream: millions of events before it are only counted
 };
 struct record_spectrum { // of the blocks of basal_force
     bool on;
