@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Rigid bodies made of convex parts that may overlap. Volume, mass and inertia
+ * count what parts share once, exactly, by inclusion and exclusion. What touches
+ * is each part's core, shrunk by a crust, with that crust around it: as in the
+ * published code of seed 001 two bodies are in contact while their cores are
+ * still apart. Corners are rounded by the crust; the mass is the sharp body's. */
+#ifndef SCREE_GEOM_COMPOSITE_H
+#define SCREE_GEOM_COMPOSITE_H
+
+#include "geom/polyhedron.h"
+
+enum { COMPOSITE_PARTS_MAX = 6 };
+
+struct composite_part {
+    size_t vertices;
+    double vertex[POLYHEDRON_VERTICES_MAX][3]; // of the core, from the centre of mass along the own axes, m
+    double radius;                             // the crust's thickness; a sphere is one vertex with its radius, m
+};
+
+struct composite {
+    double mass, volume; // kg, m3
+    double inertia[3];   // about the centre of mass along the own axes, which are principal, kg m2
+    double reach;        // from the centre of mass to the farthest point, m
+    size_t parts;
+    struct composite_part part[COMPOSITE_PARTS_MAX];
+};
+
+/* Convex parts in one frame, the same density, kg/m3, throughout. `axes` (may be NULL): q turns own axes into that
+ * frame. Refuses parts that are not joined to the others, by number, and a crust that a part has no core under. */
+enum scree_status composite_create(const struct polyhedron *part, size_t parts, double density, double crust, struct composite *out,
+                                   struct quat *axes, struct scree_error *err);
+
+/* The cross of seed 001, III.B: two boxes length x width x thickness that cross at right angles. */
+enum scree_status composite_cross(double length, double width, double thickness, double density, double crust,
+                                  struct composite *out, struct scree_error *err);
+
+/* Four six-sided legs from the centre towards the corners of a regular tetrahedron. */
+enum scree_status composite_tetrapod(double leg, double radius, double density, double crust, struct composite *out,
+                                     struct scree_error *err);
+
+enum scree_status composite_sphere(double radius, double density, struct composite *out, struct scree_error *err);
+
+#endif
