@@ -14,18 +14,17 @@
 static const struct scree_column columns[] = {{"f", "Hz"}, {"Px", "N2/Hz"}, {"Py", "N2/Hz"}, {"Pz", "N2/Hz"}};
 enum { COLUMNS = 4 };
 #define DOC "power of the force on the base, two-sided (the integral over both signs of f is the variance), "
-static const struct scree_stream bands = {"spectrum", DOC "mean over bands of 1 kHz; a frame a window", columns, COLUMNS, true};
+static const struct scree_stream bands = {"spectrum", DOC "mean over bands; a frame a window", columns, COLUMNS, true};
 static const struct scree_stream octaves = {"spectrum_octaves", DOC "mean over octaves; a frame a window", columns, COLUMNS, true};
 static const struct scree_column mean_columns[] = {
     {"f", "Hz"}, {"Px", "N2/Hz"}, {"Py", "N2/Hz"}, {"Pz", "N2/Hz"}, {"Pz_fit", "N2/Hz"}};
 enum { MEAN_COLUMNS = COLUMNS + 1 };
 static const struct scree_stream means = {
-    "spectrum_mean", DOC "mean over bands of 1 kHz and the summary's windows; Pz_fit: P_F^0 zeta(f tau) as fitted, 0: no fit",
-    mean_columns, MEAN_COLUMNS, true};
+    "spectrum_mean", DOC "mean over bands and the summary's windows; Pz_fit: P_F^0 zeta(f tau) as fitted, 0: no fit", mean_columns,
+    MEAN_COLUMNS, true};
 static const struct scree_stream *const streams[] = {&bands, &octaves, &means};
 enum { BANDS, OCTAVES, MEANS, STREAMS };
 
-#define BAND_HZ 1e3
 enum { OCTAVES_MAX = 40, BANDS_MAX = 4096 };
 enum { BLOCKS = HISTORY_BUFFERS, WORK, BUFFERS }; // blocks of the window, three components each; scratch
 enum { WINDOWS, FORCE_Z, HEAD };                  // of the history: windows, their mean F_z, then bands
@@ -54,7 +53,7 @@ static struct shape shape_of(const struct measure_context *context)
     size_t length = spectrum_segment(s.samples, s.segments);
     s.bins = length / 2 + 1;
     s.df = length > 0 ? 1 / ((double)length * dt) : 1;
-    s.width = fmax(fmax(BAND_HZ, s.df), 0.5 / dt / (BANDS_MAX - 1));
+    s.width = fmax(fmax(job->record.spectrum.band_hz, s.df), 0.5 / dt / (BANDS_MAX - 1));
     s.bands = spectrum_band_count(s.bins, s.df, s.width);
     s.bands = s.bands < BANDS_MAX ? s.bands : BANDS_MAX;
     return s;
@@ -147,8 +146,9 @@ static double mean_of(const struct state *s, const struct measure_context *conte
 }
 
 /* Of F_z. False where it cannot be fitted. */
-static bool fit_of(double (*band)[COLUMNS], size_t count, struct spectrum_fit *fit)
+static bool fit_of(const struct measure_context *context, double (*band)[COLUMNS], size_t count, struct spectrum_fit *fit)
 {
+    const double range[2] = {context->job->record.spectrum.fit_from_hz, context->job->record.spectrum.fit_to_hz};
     double *f = memory_rows(2 * count, sizeof *f), *power = f + count;
     *fit = (struct spectrum_fit){0};
     if (!f)
@@ -157,7 +157,7 @@ static bool fit_of(double (*band)[COLUMNS], size_t count, struct spectrum_fit *f
         f[k] = band[k][0];
         power[k] = band[k][3];
     }
-    bool fitted = !spectrum_fit(f, power, count, fit, NULL);
+    bool fitted = !spectrum_fit(f, power, count, range, fit, NULL);
     free(f);
     return fitted;
 }
@@ -174,7 +174,7 @@ static enum scree_status close(void *state, struct measure_context *context, con
     if (!sums || !band || !row) {
         status = scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for a spectrum");
     } else if (mean_of(s, context, sums, band) > 0) {
-        bool fitted = fit_of(band, shape.bands, &fit);
+        bool fitted = fit_of(context, band, shape.bands, &fit);
         for (size_t k = 0; k < shape.bands; k++) {
             memcpy(row[k], band[k], sizeof band[k]);
             row[k][COLUMNS] = fitted ? fit.power * zeta(row[k][0] * fit.tau) : 0;
@@ -191,14 +191,14 @@ static size_t write_numbers(const struct measure_context *context, double window
                             size_t bands_count, struct scree_number *out, size_t room)
 {
     struct spectrum_fit fit;
-    bool fitted = fit_of(band, bands_count, &fit);
+    bool fitted = fit_of(context, band, bands_count, &fit);
     double d = context->site.diameter, area = context->site.area_z;
     /* High-frequency variance, the fit's over both signs of f, over the squared mean force; made intensive by A / d^2
      * (protocols 1.10). */
     double variance = fitted ? 2 * ZETA_INTEGRAL * fit.power / fit.tau : 0;
     const struct scree_number all[] = {
         {"spectrum_windows", "1", "windows that the spectrum is the mean of", windows},
-        {"spectrum_power", "N2/Hz", "P_F^0 of F_z, fitted with an impact's spectrum from 2 to 150 kHz; 0: no fit", fit.power},
+        {"spectrum_power", "N2/Hz", "P_F^0 of F_z, fitted with an impact's spectrum over the job's range; 0: no fit", fit.power},
         {"spectrum_corner", "Hz", "corner frequency f_c / tau of that fit; 0: no fit", fitted ? ZETA_CORNER / fit.tau : 0},
         {"spectrum_tau", "s", "time scale tau of that fit", fit.tau},
         {"spectrum_misfit", "1", "root mean square of ln P about that fit", fit.misfit},

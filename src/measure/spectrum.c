@@ -212,22 +212,28 @@ static double shape_at(double f)
     return k >= TABLE ? 0 : zeta_table[k] + (place - (double)k) * (zeta_table[k + 1] - zeta_table[k]);
 }
 
-static bool usable(double f, double power)
+/* What is fitted: frequencies with power within a range. */
+struct fitted {
+    const double *f, *power, *range;
+    size_t n;
+};
+
+static bool usable(const struct fitted *d, size_t k)
 {
-    return f >= SPECTRUM_FIT_FROM && f <= SPECTRUM_FIT_TO && power > 0;
+    return d->f[k] >= d->range[0] && d->f[k] <= d->range[1] && d->power[k] > 0;
 }
 
 /* Frequencies that count and lie below an edge. */
-static size_t below(double edge, const double *f, const double *power, size_t n)
+static size_t below(double edge, const struct fitted *d)
 {
     size_t count = 0;
-    for (size_t k = 0; k < n; k++)
-        count += f[k] < edge && usable(f[k], power[k]);
+    for (size_t k = 0; k < d->n; k++)
+        count += d->f[k] < edge && usable(d, k);
     return count;
 }
 
 /* The best P0 at that tau, by Gauss and Newton in ln P0 from `guess`. */
-static struct spectrum_fit fit_at(double tau, double guess, const double *f, const double *power, size_t n)
+static struct spectrum_fit fit_at(double tau, double guess, const struct fitted *d)
 {
     struct spectrum_fit fit = {.power = guess, .tau = tau};
     double shift = 1;
@@ -235,10 +241,10 @@ static struct spectrum_fit fit_at(double tau, double guess, const double *f, con
         double sum = 0, weights = 0;
         fit.used = 0;
         fit.misfit = 0;
-        for (size_t k = 0; k < n; k++) {
-            if (!usable(f[k], power[k]))
+        for (size_t k = 0; k < d->n; k++) {
+            if (!usable(d, k))
                 continue;
-            double share = power[k] / fit.power, off = log((share + FIT_FLOOR) / (shape_at(f[k] * tau) + FIT_FLOOR));
+            double share = d->power[k] / fit.power, off = log((share + FIT_FLOOR) / (shape_at(d->f[k] * tau) + FIT_FLOOR));
             double weight = share / (share + FIT_FLOOR); // -d off / d ln P0
             sum += weight * off;
             weights += weight * weight;
@@ -253,21 +259,23 @@ static struct spectrum_fit fit_at(double tau, double guess, const double *f, con
     return fit;
 }
 
-enum scree_status spectrum_fit(const double *f, const double *power, size_t n, struct spectrum_fit *out, struct scree_error *err)
+enum scree_status spectrum_fit(const double *f, const double *power, size_t n, const double range[2], struct spectrum_fit *out,
+                               struct scree_error *err)
 {
-    size_t count = below(SPECTRUM_FIT_TO * 2, f, power, n);
+    const struct fitted data = {f, power, range, n};
+    size_t count = below(INFINITY, &data);
     double guess = 0;
     pthread_once(&table_once, make_table);
     for (size_t k = 0; k < n; k++)
-        guess += usable(f[k], power[k]) ? log(power[k]) : 0;
+        guess += usable(&data, k) ? log(power[k]) : 0;
     *out = (struct spectrum_fit){0};
     if (count < FIT_LEAST)
         return scree_fail(err, SCREE_INVALID, NULL,
-                          "a fit of zeta needs at least %d frequencies with power between 2 and 150 kHz, and there are %zu",
-                          FIT_LEAST, count);
+                          "a fit of zeta needs at least %d frequencies with power between %.9g and %.9g Hz, and there are %zu",
+                          FIT_LEAST, range[0], range[1], count);
     guess = exp(guess / (double)count);
-    for (double tau = FIT_LOW; tau < FIT_HIGH && below(FIT_EDGE / tau, f, power, n) >= FIT_LEAST; tau *= FIT_RATIO) {
-        struct spectrum_fit fit = fit_at(tau, guess, f, power, n);
+    for (double tau = FIT_LOW; tau < FIT_HIGH && below(FIT_EDGE / tau, &data) >= FIT_LEAST; tau *= FIT_RATIO) {
+        struct spectrum_fit fit = fit_at(tau, guess, &data);
         if (out->used == 0 || fit.misfit < out->misfit)
             *out = fit;
         guess = fit.power;

@@ -55,17 +55,16 @@ size_t spectrum_octaves(const double *power, size_t bins, double df, double *f, 
 
 /* ---- fit ---- */
 
-#define SPECTRUM_FIT_FROM 2e3 // Hz; below, a flow's own motion counts (protocols 1.10)
-#define SPECTRUM_FIT_TO   150e3
 struct spectrum_fit {
     double power;  // P_F^0, N2/Hz
     double tau;    // s; the corner frequency is ZETA_CORNER / tau
     double misfit; // root mean square of what is left, see spectrum_fit
     size_t used;   // frequencies
 };
-/* ln(P / P_F^0 + e) against ln(zeta(f tau) + e), least squares in two parameters over [2, 150] kHz, every frequency alike
+/* ln(P / P_F^0 + e) against ln(zeta(f tau) + e), least squares in two parameters over `range` in Hz, every frequency alike
  * (protocols 1.10). e is 2 %: impacts of a flow differ, so its spectrum lacks zeta's zeros, and what lies that far under
  * P_F^0 must not decide. SCREE_INVALID where fewer than 8 frequencies can be used. */
-enum scree_status spectrum_fit(const double *f, const double *power, size_t n, struct spectrum_fit *out, struct scree_error *err);
+enum scree_status spectrum_fit(const double *f, const double *power, size_t n, const double range[2], struct spectrum_fit *out,
+                               struct scree_error *err);
 
 #endif

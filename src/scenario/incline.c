@@ -26,6 +26,7 @@ enum { STREAM_BASE = 1, STREAM_FLOW = 2 }; // of random numbers
 /* Softening of the mini-simulation: E / 1e5, overlaps still below a percent of
  * d; contacts last 1e5^(2/5) = 100 times longer, and so may the step. */
 #define BASE_SOFTENING  1e5
+#define BASE_STIFFNESS  1e4 // E of the mini-simulation over rho g d, at least
 #define BASE_STEP_RATIO 100.0
 /* Layers dropped, and settling time in sqrt(d / g): the fall takes about 3, and
  * damped collisions come to rest within the rest. */
@@ -84,6 +85,20 @@ static struct packing packing_of(const struct job_spec *job, double floor_z)
     return packing;
 }
 
+struct base_softening {
+    double modulus, steps; // what E is divided and the step multiplied by
+};
+
+/* Grains that are soft already are softened less, or their weight would press the base flat. */
+static struct base_softening softening_of(const struct job_spec *job)
+{
+    double weight = job->material.density_kg_m3 * params_of(job)->gravity_m_s2 * 2 * job->material.radius_m; // of a layer, Pa
+    double most = fmax(1, job->material.young_Pa / (BASE_STIFFNESS * weight));
+    if (most >= BASE_SOFTENING)
+        return (struct base_softening){BASE_SOFTENING, BASE_STEP_RATIO};
+    return (struct base_softening){most, pow(most, 0.4)};
+}
+
 /* Drops `count` grains on a plane at z = 0 and leaves the settled ones in `grains`. */
 static enum scree_status settle(const struct job_spec *job, const char *isa, struct dem_grain *grains, size_t count,
                                 struct scree_error *err)
@@ -92,7 +107,8 @@ static enum scree_status settle(const struct job_spec *job, const char *isa, str
     double d = 2 * job->material.radius_m, length[2];
     incline_lengths(job, length);
     const struct dem_wall floor = {.normal = {0, 0, 1}};
-    struct dem_setup setup = {.step_s = job->time.step_s * BASE_STEP_RATIO,
+    const struct base_softening soft = softening_of(job);
+    struct dem_setup setup = {.step_s = job->time.step_s * soft.steps,
                               .gravity = {0, 0, -p->gravity_m_s2},
                               .length = {length[0], length[1], 0},
                               .grains = grains,
@@ -103,7 +119,7 @@ static enum scree_status settle(const struct job_spec *job, const char *isa, str
                               .floor_z = -d,
                               .threads = 1,
                               .isa = isa};
-    setup.material.young_Pa /= BASE_SOFTENING;
+    setup.material.young_Pa /= soft.modulus;
     setup.material.mu_t = setup.material.mu_r = setup.material.kappa = 0;
     /* A restitution of about a third at 0.14 m/s: b = beta / tau of 1.0 in
      * x'' = -sqrt(x)(x + b x'), with tau about a third of the contact time. */

@@ -126,6 +126,34 @@ static const struct field spectrum_fields[] = {
      .unit = "",
      .doc = "half-overlapping Hann windows that a spectrum is the mean of",
      .source = "protocols 1.10"},
+    {.name = "band_hz",
+     .type = FIELD_REAL,
+     .offset = offsetof(struct record_spectrum, band_hz),
+     .min = 1e-3,
+     .max = 1e9,
+     .preset = 1e3,
+     .unit = "Hz",
+     .doc = "width of the bands that power is averaged over",
+     .source = "protocols 1.10"},
+    {.name = "fit_from_hz",
+     .type = FIELD_REAL,
+     .offset = offsetof(struct record_spectrum, fit_from_hz),
+     .min = 1e-3,
+     .max = 1e9,
+     .preset = 2e3,
+     .unit = "Hz",
+     .doc =
+         "lower end of the fit of an impact's spectrum: below, the flow's own motion counts; of softened grains lower as 1 / tau",
+     .source = "protocols 1.10"},
+    {.name = "fit_to_hz",
+     .type = FIELD_REAL,
+     .offset = offsetof(struct record_spectrum, fit_to_hz),
+     .min = 1e-3,
+     .max = 1e9,
+     .preset = 150e3,
+     .unit = "Hz",
+     .doc = "upper end of that fit",
+     .source = "protocols 1.10"},
 };
 static const struct field connectivity_fields[] = {EVERY(1e-3, "interval between samples")};
 static const struct field forces_fields[] = {EVERY(1e-2, "interval between frames")};
@@ -337,6 +365,9 @@ static enum scree_status check_spectrum(const struct job_spec *job, struct scree
             err, SCREE_INVALID, path,
             "%s: %.9g s holds %.0f blocks of record.basal_force.every_s = %.9g s, and %lld segments need at least %.0f", path,
             s->window_s, blocks, every, (long long)s->segments, need);
+    if (!(s->fit_from_hz < s->fit_to_hz))
+        return scree_fail(err, SCREE_INVALID, "record.spectrum.fit_to_hz",
+                          "record.spectrum.fit_to_hz: %.9g Hz is not above fit_from_hz = %.9g Hz", s->fit_to_hz, s->fit_from_hz);
     if (blocks > 1e8)
         return scree_fail(err, SCREE_INVALID, path, "%s: %.9g s holds %.3g blocks of the force; at most 1e8 fit", path, s->window_s,
                           blocks);

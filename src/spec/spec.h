@@ -124,6 +124,8 @@ struct record_spectrum { // of the blocks of basal_force
     bool on;
     double window_s;
     int64_t segments; // half-overlapping ones a window
+    double band_hz;   // width of the bands that are averaged over
+    double fit_from_hz, fit_to_hz;
 };
 struct record_spec {
     struct record_series basal_force; // three components, block-averaged over every_s

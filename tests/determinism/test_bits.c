@@ -75,7 +75,8 @@ static struct bits run_world(int which, struct how how)
     job.stop.when = 0;
     job.record.bulk.on = job.record.energy.on = job.record.snapshots.on = how.records;
     job.record.profiles = (struct record_profiles){how.records, 1e-3, 4e-3};
-    job.record.spectrum = (struct record_spectrum){how.records, 3e-3, 8};
+    job.record.spectrum.on = how.records;
+    job.record.spectrum.window_s = 3e-3;
     job.record.connectivity.on = job.record.forces.on = job.record.collisions.on = how.records;
     const struct scree_sink sink = {.put = mix_chunk, .context = &bits};
     const struct scree_options options = {.isa = how.isa, .threads = how.threads};

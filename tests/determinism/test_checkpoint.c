@@ -59,7 +59,8 @@ static struct job_spec spec(int64_t n, int64_t nz, double end_s)
     job.stop.when = 0;
     job.record.energy = (struct record_every){true, 1e-3};
     job.record.profiles = (struct record_profiles){true, 1e-3, 4e-3};
-    job.record.spectrum = (struct record_spectrum){true, 3e-3, 8};
+    job.record.spectrum.on = true;
+    job.record.spectrum.window_s = 3e-3;
     job.record.connectivity.on = job.record.forces.on = job.record.collisions.on = true;
     return job;
 }
