@@ -121,6 +121,8 @@ static void softened_grains_flow_as_glass_does(void **state)
             b += soft[k].profile[h][1] / SOFT;
         assert_true(fabs(b - a) < 0.03);
     }
+    for (int k = 0; k < SOFT; k++) // the base of softened grains is one, not a pressed cake of them (protocols 1.3)
+        assert_true(number(&soft[k], "fixed_per_d2") > 1.1 && number(&soft[k], "fixed_per_d2") < 1.6);
     double corner, power, corner_soft, power_soft, scatter;
     mean_of(glass, GLASS, "spectrum_corner", &corner, &scatter);
     mean_of(soft, SOFT, "spectrum_corner", &corner_soft, &scatter);
