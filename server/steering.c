@@ -358,8 +358,8 @@ bool steering_paused(struct scheduler *s, struct job *job)
                  error.message); // waiting in the journal, it is obeyed at the next start
     if (paused) {
         scheduler_set_state(s, job, JOB_PAUSED);
-        answer_all(s, job);
     }
+    answer_all(s, job); // a job that is held instead may be so for hours: nobody waits for its next run
     return paused;
 }
 
