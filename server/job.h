@@ -132,6 +132,7 @@ struct job {
     struct job_spec base;             // as submitted
     struct job_spec spec;             // as it stands now: with every `set` that has taken effect
     bool steered;                     // some has
+    bool altered;                     // one of them changed the world: its result is not that of `base`
     double submitted, started, ended; // Unix seconds, 0: not yet
     struct run_report report;         // as last seen; the final one once ended
     char build[96];

@@ -97,7 +97,8 @@ static void remove_older(const char *path)
 
 static void write_image(struct record_order *order)
 {
-    order->status = scree_image_write(order->image, order->path, &order->error);
+    if (order->image) // else there was no memory for the copy, and the order only tells so
+        order->status = scree_image_write(order->image, order->path, &order->error);
     scree_image_free(order->image);
     order->image = NULL;
     if (!order->status && order->kind == RECORD_CHECKPOINT)

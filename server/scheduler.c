@@ -309,7 +309,7 @@ static void run_parked(struct scheduler *s, struct job *job)
     end_run(s, job);
     if (order == RUN_STOP) // with the daemon: the journal keeps it running
         return;
-    if (order == RUN_PAUSE && steering_paused(s, job))
+    if (steering_paused(s, job)) // a hold that came after the pause outranks it as an order, and must not lose it
         return;
     scheduler_set_state(s, job, order == RUN_HOLD && *s->disk_low ? JOB_HELD : JOB_QUEUED);
     if (job->state == JOB_HELD) {
@@ -335,6 +335,7 @@ static void run_ended(struct scheduler *s, struct job *job)
     }
     if (!s->closing && holds_fault(s, job, &job->report.error)) {
         end_run(s, job);
+        steering_paused(s, job); // or nobody would answer a pause that was on its way
         return;
     }
     job->verdict_state = status == SCREE_OK ? JOB_DONE : status == SCREE_CANCELLED ? JOB_CANCELLED : JOB_FAILED;

@@ -223,6 +223,7 @@ void steering_refresh(struct scheduler *s, struct job *job)
         job->spec = job->base;
         log_line(LOG_ERROR, "job=%s %s", job->id, error.message);
     }
+    job->altered |= !job_same(&job->base, &job->spec); // stays, should a later one set the value back
     for (size_t k = 0; k < s->command_count && !job->steered; k++)
         job->steered = s->commands[k]->job == job && s->commands[k]->op == COMMAND_SET && s->commands[k]->step >= 0;
 }
@@ -358,8 +359,8 @@ bool steering_paused(struct scheduler *s, struct job *job)
                  error.message); // waiting in the journal, it is obeyed at the next start
     if (paused) {
         scheduler_set_state(s, job, JOB_PAUSED);
-        answer_all(s, job);
     }
+    answer_all(s, job); // a job that is held instead may be so for hours: nobody waits for its next run
     return paused;
 }
 
@@ -397,8 +398,12 @@ enum scree_status steering_load(struct scheduler *s, struct scree_error *err)
     for (size_t k = 0; k < s->command_count && !status; k++) {
         struct command *c = s->commands[k];
         struct run_start start;
-        if (c->op == COMMAND_SET)
+        if (c->op == COMMAND_SET) {
+            struct job_spec then;
+            if (c->step >= 0 && !c->job->altered && !steering_compose(s, c->job, c->number, false, &then, NULL))
+                c->job->altered = !job_same(&c->job->base, &then);
             steering_refresh(s, c->job);
+        }
         if (c->step != COMMAND_PENDING)
             continue;
         int64_t step = restart_newest(s, c->job, &start) ? (int64_t)start.step : 0;

@@ -312,23 +312,24 @@ static enum scree_status cancel_trials(struct studies *s, struct study *study, s
 
 static void conclude_sweep(struct studies *s, struct study *study)
 {
-    size_t failed = 0, cancelled = 0;
+    size_t failed = 0, cancelled = 0, altered = 0;
     const struct job *first = NULL;
     for (size_t k = 0; k < study->trial_count; k++) {
         const struct job *job = study->trials[k].job;
         failed += !job || job->state == JOB_FAILED;
         cancelled += job && job->state == JOB_CANCELLED;
-        if (!first && job && job->state != JOB_DONE)
+        altered += job && job->state == JOB_DONE && job->altered;
+        if (!first && job && (job->state != JOB_DONE || job->altered))
             first = job;
     }
-    if (failed + cancelled == 0) {
+    if (failed + cancelled + altered == 0) {
         enter(s, study, JOB_DONE);
         return;
     }
     scree_fail(&study->error, first && first->report.status ? first->report.status : SCREE_CANCELLED, "",
-               "of %zu trials %zu failed and %zu were cancelled; the first of them is %s%s%s", study->trial_count, failed,
-               cancelled, first ? first->id : "lost", first && *first->report.error.message ? ": " : "",
-               first ? first->report.error.message : "");
+               "of %zu trials %zu failed, %zu were cancelled and %zu were changed with `set`; the first of them is %s%s%s",
+               study->trial_count, failed, cancelled, altered, first ? first->id : "lost",
+               first && *first->report.error.message ? ": " : "", first ? first->report.error.message : "");
     enter(s, study, JOB_FAILED);
 }
 

@@ -75,7 +75,7 @@ static void take_bisection(struct study *study, const struct study_trial *trial)
                                     [VERDICT_ACCELERATING] = STOP_ACCELERATING};
     static const enum bisect_answer undecided[] = {
         [UNDECIDED_REPORT] = BISECT_NEITHER, [UNDECIDED_RAISE] = BISECT_RAISE, [UNDECIDED_LOWER] = BISECT_LOWER};
-    if (trial->job && trial->job->state == JOB_DONE) {
+    if (trial->job && trial->job->state == JOB_DONE && !trial->job->altered) {
         if (bits[verdict])
             answer = study->plan.spec.raise_low_when & bits[verdict] ? BISECT_RAISE : BISECT_LOWER;
         else if (b->points[trial->point].needed && study_longer(study, trial) > 0)
@@ -90,7 +90,7 @@ static void take_root(struct study *study, const struct study_trial *trial)
 {
     const struct job *job = trial->job;
     double number = NAN;
-    for (size_t k = 0; job && job->state == JOB_DONE && k < job->report.number_count; k++)
+    for (size_t k = 0; job && job->state == JOB_DONE && !job->altered && k < job->report.number_count; k++)
         if (strcmp(job->report.numbers[k].name, study->plan.spec.number) == 0)
             number = job->report.numbers[k].value;
     root_put(&study->roots[trial->replica], trial->point, number, !isfinite(number));

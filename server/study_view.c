@@ -47,6 +47,8 @@ const char *study_answer_word(const struct study *study, const struct study_tria
         return "not needed";
     if (trial->job->state != JOB_DONE)
         return job_state_word(trial->job->state);
+    if (trial->job->altered)
+        return "steered";
     if (!study->bisects)
         return "done";
     static const char *const words[] = {"undecided", "raise", "lower", "undecided"};
@@ -69,6 +71,8 @@ static void describe(const struct study *study, size_t replica, int point, char 
     if (t->job->state != JOB_DONE)
         snprintf(out + length, size - length, "%s%s%.200s", t->job->state == JOB_FAILED ? "failed" : "was cancelled",
                  *t->job->report.error.message ? ": " : "", t->job->report.error.message);
+    else if (t->job->altered)
+        snprintf(out + length, size - length, "was changed with `set`, so that it is no answer");
     else if (study->roots && study->roots[replica].points[point].failed)
         snprintf(out + length, size - length, "has no number \"%s\"", study->plan.spec.number);
     else if (study->roots)

@@ -130,10 +130,15 @@ static void hand_over(struct context *c, const struct scree_world *world, enum r
     struct scree_error error = {0};
     struct scree_progress p = scree_world_progress(world);
     struct record_order *order = calloc(1, sizeof *order);
-    if (!order || scree_image_take(world, &order->image, &error)) {
+    enum scree_status status = order ? scree_image_take(world, &order->image, &error) : SCREE_NO_MEMORY;
+    if (status) {
         log_line(LOG_WARNING, "job=j%lld no checkpoint: %s", (long long)run->job, order ? error.message : "no memory");
-        free(order);
-        return;
+        if (!order || !command) {
+            free(order);
+            return;
+        }
+        order->status = status; // somebody waits for this one: the answer is the fault
+        order->error = error;
     }
     order->kind = kind;
     order->job = run->job;
@@ -145,8 +150,10 @@ static void hand_over(struct context *c, const struct scree_world *world, enum r
     } else {
         snprintf(order->path, sizeof order->path, "%s/checkpoint-%012llu-%lld.h5", run->folder, (unsigned long long)p.step,
                  (long long)c->applied);
-        c->kept_step = p.step;
-        c->kept_s = seconds_now();
+        if (!status) {
+            c->kept_step = p.step;
+            c->kept_s = seconds_now();
+        }
     }
     atomic_fetch_add(&run->images, 1);
     recorder_ask(run->recorder, order);

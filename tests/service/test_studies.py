@@ -252,6 +252,30 @@ class Studies(Client):
         time.sleep(0.3)
         self.assertEqual((self.ask("show", job=study)["state"], len(self.ask("list")["jobs"])), ("cancelled", 3))
 
+    def test_trial_that_was_steered_is_no_answer(self):
+        """Its verdict is that of other parameters than the table says: a bracket must not be built on it,
+        nor a sweep be called done, not even when the value was set back before the end, nor after a restart."""
+        slow = {**FLOW, "stop": {"when": []}, "time": {"step_s": 2e-6, "end_s": 1000}}
+        for spec, word in (({"study": "sweep", "job": slow, "grid": {"seed": [1]}}, "changed with `set`"),
+                           ({**BISECT, "job": slow, "extend_to_s": 1000}, "is no answer")):
+            daemon = self.daemon(workers=1)
+            study = self.control.submit(spec)
+            job = self.until(lambda: [t["job"] for t in self.ask("show", job=study)["trials"] if t["state"] == "running"])[0]
+            self.ask("set", job=job, set=["params.slope_deg=21"])
+            self.ask("set", job=job, set=["time.end_s=0.001"])
+            self.until(lambda: self.ask("show", job=job)["state"] == "done")
+            record = self.until(lambda: [r for r in [self.ask("show", job=study)] if r["trials"][0]["state"] == "done"])[0]
+            if spec["study"] == "bisect":
+                self.assertEqual(record["trials"][0]["answer"], "steered")
+                self.ask("cancel", job=study)
+            else:
+                record = self.finished(study, "failed")
+                self.assertIn(word, record["error"]["message"])
+            daemon.stop()
+            daemon = self.daemon(workers=1)
+            self.assertEqual(self.ask("show", job=study)["trials"][0]["answer"], "steered")
+            daemon.stop()
+
     def test_killed_again_and_again_it_comes_to_the_same(self):
         # The contract: no trial lost, none run twice, the same bracket as without kills.
         spec = {**BISECT, "replicas": 2, "at_once": 2, "digits": 2}
