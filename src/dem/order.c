@@ -21,31 +21,44 @@ static enum scree_status blow_up(const struct dem *dem, size_t row, const char *
     return status;
 }
 
+static bool is_finite(const struct dem *dem, size_t i)
+{
+    const double *x = dem->position[i], *v = dem->velocity[i], *w = dem->spin[i];
+    return isfinite(x[0] + x[1] + x[2] + v[0] + v[1] + v[2] + w[0] + w[1] + w[2]);
+}
+
+void order_look(const struct dem *dem, struct part *part)
+{
+    part->lost = part->to;
+    for (size_t i = part->to; i-- > part->from;)
+        if (!is_finite(dem, i) || dem->position[i][2] < dem->floor_z)
+            part->lost = i;
+    part->outside = false;
+    for (int a = 0; a < 3; a++) {
+        double low = -0.5 * dem->length[a], high = 1.5 * dem->length[a];
+        for (size_t i = part->from; i < part->to && high > 0; i++)
+            part->outside |= dem->position[i][a] < low || dem->position[i][a] >= high;
+    }
+}
+
 static enum scree_status look_for_blow_up(const struct dem *dem, struct scree_error *err)
 {
-    for (size_t i = 0; i < dem->moving; i++) {
-        const double *x = dem->position[i], *v = dem->velocity[i], *w = dem->spin[i];
-        double sum = x[0] + x[1] + x[2] + v[0] + v[1] + v[2] + w[0] + w[1] + w[2];
-        if (!isfinite(sum))
-            return blow_up(dem, i, "has a position, velocity or spin that is not a number", err);
-        if (x[2] < dem->floor_z)
-            return blow_up(dem, i, "went through the base", err);
+    for (int k = 0; k < dem->part_count; k++) {
+        size_t row = dem->parts[k].lost;
+        if (row < dem->parts[k].to)
+            return blow_up(dem, row,
+                           is_finite(dem, row) ? "went through the base" : "has a position, velocity or spin that is not a number",
+                           err);
     }
     return SCREE_OK;
 }
 
-/* True when a grain has left the box by half its length along a periodic axis. */
 static bool wrap_due(const struct dem *dem)
 {
-    for (int a = 0; a < 3; a++) {
-        double box = dem->length[a];
-        if (box <= 0)
-            continue;
-        for (size_t i = 0; i < dem->moving; i++)
-            if (dem->position[i][a] < -0.5 * box || dem->position[i][a] >= 1.5 * box)
-                return true;
-    }
-    return false;
+    bool due = false;
+    for (int k = 0; k < dem->part_count; k++)
+        due |= dem->parts[k].outside;
+    return due;
 }
 
 /* Image code of a pair once its grains have been moved by whole boxes. */

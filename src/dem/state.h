@@ -86,6 +86,8 @@ struct part {
     double change;             // fastest change of velocity seen in the last interval, m/s
     double speed;              // of the fastest grain of the world at the refresh, m/s
     double fastest, displaced; // largest speed and largest way since the outer rebuild of own grains, m/s, m
+    size_t lost;               // first own row that blew up; `to`: none did
+    bool outside;              // an own grain has left the box by half its length along a periodic axis
     enum scree_status status;
     struct scree_error error;
 };
@@ -216,7 +218,9 @@ enum scree_status hot_room(struct hot_list *hot, size_t need, struct scree_error
 void hot_sync(struct part *part);
 void hot_fill(struct dem *dem, struct part *part);
 
-/* order.c, member 0 alone: blow-up, wrapping, order in memory; at multiples of DEM_HOUSEKEEPING. */
+/* order.c. At multiples of DEM_HOUSEKEEPING each member looks at its own grains, then, behind
+ * a barrier, member 0 alone does what is needed: blow-up, wrapping, order in memory. */
+void order_look(const struct dem *dem, struct part *part);
 enum scree_status order_housekeeping(struct dem *dem, struct scree_error *err);
 /* Sorts the rows along a space-filling curve. */
 enum scree_status order_rows(struct dem *dem, struct scree_error *err);

@@ -180,6 +180,7 @@ static void slice_member(void *context, int member)
         if (step > 0 && step % DEM_HOUSEKEEPING == 0) {
             /* Before the step, so that between slices rows and lists belong together;
              * behind a barrier, since others may still be kicking their grains. */
+            order_look(dem, part);
             team_barrier(dem->team);
             if (member == 0)
                 slice->status = order_housekeeping(dem, slice->err);

@@ -13,6 +13,7 @@ struct measured {
     void *state;
     bool recorded;  // its streams are put
     uint64_t every; // steps between samples; 0: none are taken
+    uint64_t due;   // step of the next one, while the world advances
 };
 
 enum { STREAMS_MAX = 2 * MEASUREMENTS_MAX };

@@ -171,9 +171,13 @@ void scree_world_free(struct scree_world *w)
 
 /* ---- advancing ---- */
 
-static bool due(const struct scree_world *w, const struct measured *m)
+/* Divisions once a slice: a force recorded at every step would feel them. */
+static void schedule(struct scree_world *w)
 {
-    return m->every > 0 && w->step % m->every == 0;
+    for (size_t k = 0; k < w->measured_count; k++) {
+        uint64_t every = w->measured[k].every;
+        w->measured[k].due = every ? (w->step / every + 1) * every : UINT64_MAX;
+    }
 }
 
 enum { FORMATION_STEPS = 1024 };
@@ -181,10 +185,8 @@ enum { FORMATION_STEPS = 1024 };
 static uint64_t next_stop(const struct scree_world *w)
 {
     uint64_t next = w->end_step;
-    for (size_t k = 0; k < w->measured_count; k++) {
-        uint64_t every = w->measured[k].every, then = every ? (w->step / every + 1) * every : next;
-        next = then < next ? then : next;
-    }
+    for (size_t k = 0; k < w->measured_count; k++)
+        next = w->measured[k].due < next ? w->measured[k].due : next;
     if (w->making.needs & MEASURE_FORMATIONS && next - w->step > FORMATION_STEPS)
         next = w->step + FORMATION_STEPS; // the engine's log stays short
     return next;
@@ -208,14 +210,15 @@ static enum scree_status take_samples(struct scree_world *w, struct scree_error 
     struct measure_now now = {0};
     unsigned needs = 0;
     for (size_t k = 0; k < w->measured_count; k++)
-        needs |= due(w, &w->measured[k]) ? w->measured[k].what->needs : 0;
+        needs |= w->measured[k].due == w->step ? w->measured[k].what->needs : 0;
     if (needs & MEASURE_BASE_FORCE)
         w->kind->take_base_force(w->body, now.base_force);
     enum scree_status status = needs & MEASURE_VIEW ? take_view(w, &now, err) : SCREE_OK;
     for (size_t k = 0; k < w->measured_count && !status; k++) {
-        const struct measured *m = &w->measured[k];
-        if (!due(w, m))
+        struct measured *m = &w->measured[k];
+        if (m->due != w->step)
             continue;
+        m->due += m->every;
         now.every = m->every;
         status = m->what->sample(m->state, &w->context, &now, err);
     }
@@ -229,6 +232,7 @@ static bool finished(const struct scree_world *w)
 
 enum scree_status scree_world_advance(struct scree_world *w, uint64_t steps, struct scree_error *err)
 {
+    schedule(w);
     while (steps > 0 && !finished(w)) {
         uint64_t next = next_stop(w), count = next - w->step < steps ? next - w->step : steps;
         enum scree_status status = w->kind->advance(w->body, count, err);
