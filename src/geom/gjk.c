@@ -113,7 +113,14 @@ static struct vec3 nearest(struct simplex *s)
     struct simplex best = {.count = 0};
     struct vec3 nearest = {0, 0, 0};
     double least = INFINITY;
-    for (unsigned set = 1; set < 1U << s->count; set++) {
+    /* A point of the whole span that lies within is nearest of all: the usual case of a warm simplex, at the price of one set. */
+    const struct vec3 all[4] = {s->corner[0].w, s->corner[1].w, s->corner[2].w, s->corner[3].w};
+    if (shares_of(all, s->count, s->share)) {
+        for (int k = 0; k < s->count && s->count < 4; k++)
+            nearest = vec3_add(nearest, vec3_scale(all[k], s->share[k]));
+        return nearest;
+    }
+    for (unsigned set = 1; set + 1 < 1U << s->count; set++) {
         struct simplex part = {.count = 0};
         struct vec3 x[4], v = {0, 0, 0};
         for (int k = 0; k < s->count; k++)
@@ -123,10 +130,6 @@ static struct vec3 nearest(struct simplex *s)
             }
         if (!shares_of(x, part.count, part.share))
             continue;
-        if (part.count == 4) { // the origin is within
-            *s = part;
-            return v;
-        }
         for (int k = 0; k < part.count; k++)
             v = vec3_add(v, vec3_scale(x[k], part.share[k]));
         double vv = vec3_dot(v, v);
@@ -178,7 +181,7 @@ static void conclude(const struct gjk_core *a, const struct simplex *s, struct v
 
 enum gjk_state gjk_distance(const struct gjk_core *a, const struct gjk_core *b, struct gjk_cache *cache, struct gjk_result *out)
 {
-    struct simplex s;
+    struct simplex s = {.count = 0};
     start(a, b, cache, &s);
     double size2 = 0;
     struct vec3 v = nearest(&s);

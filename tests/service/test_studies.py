@@ -141,9 +141,10 @@ class Studies(Client):
 
     def test_sweep_with_a_trial_that_fails_runs_the_others(self):
         self.daemon(workers=2)
-        # Grains so soft that their weight presses them through the base.
-        spec = {"study": "sweep", "job": {**FLOW, "time": {"step_s": 1e-6, "end_s": 0.001}},
-                "grid": {"material.young_Pa": [1e9, 1e5, 2e9]}}
+        # Grains so soft that they fall through the base.
+        spec = {"study": "sweep",
+                "job": {**FLOW, "params": {**FLOW["params"], "gravity_m_s2": 90, "slope_deg": 5}, "time": {"step_s": 1e-6, "end_s": 0.02}},
+                "grid": {"material.young_Pa": [1e9, 1e3, 2e9]}}
         record = self.run_study(spec, state="failed")
         self.assertEqual([t["state"] for t in record["trials"]], ["done", "failed", "done"])
         for word in ("3 trials", "1 failed", record["trials"][1]["job"]):
