@@ -519,6 +519,19 @@ static enum scree_status steer_set(struct scheduler *s, const char *request, str
     return in_time(s, request, job, COMMAND_SET, detail, &to, ticket, err);
 }
 
+/* Of a job that does not run: the child is made now. */
+static enum scree_status fork_idle(struct scheduler *s, struct command *c, uint64_t ticket, struct scree_error *err)
+{
+    enum scree_status status = fork_from_checkpoint(s, c, err);
+    if (status) {
+        give_step(s, c, COMMAND_VOID, 0, NULL);
+        return status;
+    }
+    c->ticket = ticket;
+    answer(s, c, NULL);
+    return SCREE_OK;
+}
+
 static enum scree_status steer_fork(struct scheduler *s, const char *request, struct job *job, const char *detail, uint64_t ticket,
                                     struct scree_error *err)
 {
@@ -535,19 +548,16 @@ static enum scree_status steer_fork(struct scheduler *s, const char *request, st
         return scree_fail(err, SCREE_CONFLICT, "job", "%s has not begun: there is nothing to continue", job->id);
     if ((status = steering_insert(s, request, job, COMMAND_FORK, detail, COMMAND_PENDING, &c, err)))
         return status;
-    if ((status = fork_from_checkpoint(s, c, err))) {
-        give_step(s, c, COMMAND_VOID, 0, NULL);
-        return status;
-    }
-    c->ticket = ticket;
-    answer(s, c, NULL);
-    return SCREE_OK;
+    return fork_idle(s, c, ticket, err);
 }
 
 static enum scree_status repeated(struct scheduler *s, struct command *c, uint64_t ticket, struct scree_error *err)
 {
     if (c->step == COMMAND_VOID)
         return scree_fail(err, SCREE_CONFLICT, "job", "%s ended before the command could take effect", c->job->id);
+    /* A crash may have come between a fork's row and its child. */
+    if (c->op == COMMAND_FORK && c->step == COMMAND_PENDING && c->job->state == JOB_PAUSED)
+        return fork_idle(s, c, ticket, err);
     c->ticket = ticket;
     if (c->step != COMMAND_PENDING || !c->job->run)
         answer(s, c, NULL);
