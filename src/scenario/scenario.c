@@ -4,9 +4,9 @@
 
 #include <string.h>
 
-extern const struct scenario scenario_incline, scenario_collision, scenario_chute;
+extern const struct scenario scenario_incline, scenario_collision, scenario_chute, scenario_gas;
 
-static const struct scenario *const all[] = {&scenario_incline, &scenario_collision, &scenario_chute};
+static const struct scenario *const all[] = {&scenario_incline, &scenario_collision, &scenario_chute, &scenario_gas};
 
 const struct scenario *scenario_implementation(const char *name)
 {

@@ -221,6 +221,15 @@ struct collision_params { // one contact: grain 1 meets a sphere or a plane alon
     double gravity_m_s2[3];
 };
 
+enum gas_box { GAS_PERIODIC, GAS_WALLED };
+struct gas_params { // grains that fly about in a cube without gravity
+    int64_t n;      // grains along each edge
+    double solid_fraction, temperature_m2_s2;
+    int box;
+};
+/* Edge of the cube, m. */
+double gas_edge(const struct job_spec *job);
+
 enum continuum_law { LAW_CONSTANT, LAW_MU_I, LAW_HYSTERETIC, LAW_HYSTERETIC_STEP };
 /* The granular continuum and how it is solved: the same for every scenario of seed 002. */
 struct continuum_spec {
