@@ -16,32 +16,44 @@ SIMD_INLINE v4 lanes_spring(v4 force_squared, v4 stiffness)
     return v4_select((m4)(stiffness > zero), force_squared / (v4_all(2.0) * stiffness), zero);
 }
 
-/* One group: contacts p[0..3], results to out[0..3], losses to loss[0..3] when
- * `ledger`. Lanes may repeat a contact: they then write the same values. */
-SIMD_INLINE void group(const struct law_coefs *c, const struct pair_batch *b, const uint32_t p[4], struct contact_out *const out[4],
-                       struct contact_loss *const loss[4], int ledger)
+/* From the first grain to the second, and how the first moves against it; spins of both. */
+struct pair_motion {
+    struct x3 x, velocity, spin1, spin2;
+};
+
+SIMD_INLINE struct pair_motion load_motion(const struct pair_batch *b, const uint32_t p[4])
 {
-    const double *x1[4], *x2[4], *u1[4], *u2[4], *s1[4], *s2[4];
-    const double *shift[4];
-    double *row[4];
+    const double *x1[4], *x2[4], *u1[4], *u2[4], *s1[4], *s2[4], *shift[4];
     for (int l = 0; l < 4; l++) {
         uint32_t i = b->first[p[l]], second = b->second[p[l]], j = second & IMAGE_ROW;
         x1[l] = b->position[i], x2[l] = b->position[j];
         u1[l] = b->velocity[i], u2[l] = b->velocity[j];
         s1[l] = b->spin[i], s2[l] = b->spin[j];
         shift[l] = b->shift[second >> IMAGE_SHIFT];
-        row[l] = b->contact[p[l]];
     }
-    const v4 zero = {0}, one = v4_all(1.0), dt = v4_all(c->step);
-    struct x3 x, velocity;
+    struct pair_motion m;
     v4 unused;
     v4_transpose((v4_load(x2[0]) - v4_load(x1[0])) + v4_load(shift[0]), (v4_load(x2[1]) - v4_load(x1[1])) + v4_load(shift[1]),
-                 (v4_load(x2[2]) - v4_load(x1[2])) + v4_load(shift[2]), (v4_load(x2[3]) - v4_load(x1[3])) + v4_load(shift[3]), &x.x,
-                 &x.y, &x.z, &unused);
+                 (v4_load(x2[2]) - v4_load(x1[2])) + v4_load(shift[2]), (v4_load(x2[3]) - v4_load(x1[3])) + v4_load(shift[3]),
+                 &m.x.x, &m.x.y, &m.x.z, &unused);
     v4_transpose(v4_load(u1[0]) - v4_load(u2[0]), v4_load(u1[1]) - v4_load(u2[1]), v4_load(u1[2]) - v4_load(u2[2]),
-                 v4_load(u1[3]) - v4_load(u2[3]), &velocity.x, &velocity.y, &velocity.z, &unused);
-    struct x3 spin1 = rows_load(s1[0], s1[1], s1[2], s1[3], &unused);
-    struct x3 spin2 = rows_load(s2[0], s2[1], s2[2], s2[3], &unused);
+                 v4_load(u1[3]) - v4_load(u2[3]), &m.velocity.x, &m.velocity.y, &m.velocity.z, &unused);
+    m.spin1 = rows_load(s1[0], s1[1], s1[2], s1[3], &unused);
+    m.spin2 = rows_load(s2[0], s2[1], s2[2], s2[3], &unused);
+    return m;
+}
+
+/* One group: contacts p[0..3], results to out[0..3], losses to loss[0..3] when
+ * `ledger`. Lanes may repeat a contact: they then write the same values. */
+SIMD_INLINE void group(const struct law_coefs *c, const struct pair_batch *b, const uint32_t p[4], struct contact_out *const out[4],
+                       struct contact_loss *const loss[4], int ledger)
+{
+    const v4 zero = {0}, one = v4_all(1.0), dt = v4_all(c->step);
+    double *row[4];
+    for (int l = 0; l < 4; l++)
+        row[l] = b->contact[p[l]];
+    const struct pair_motion m = load_motion(b, p);
+    const struct x3 x = m.x, velocity = m.velocity, spin1 = m.spin1, spin2 = m.spin2;
     v4 mn_was, fn_old, a_old, r, r1, r2;
     struct x3 ft_was = rows_load(row[0], row[1], row[2], row[3], &mn_was);
     struct x3 mr_was = rows_load(row[0] + 4, row[1] + 4, row[2] + 4, row[3] + 4, &fn_old);
