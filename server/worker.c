@@ -16,7 +16,8 @@
 #include "log.h"
 #include "recorder.h"
 
-#define SLICE_SECONDS 0.03
+#define SLICE_SECONDS  0.03
+#define SUMMARY_PAUSES 100 // as long as making it takes
 
 struct worker {
     struct workers *owner;
@@ -52,7 +53,9 @@ struct context {
     int64_t applied;    // number of the last command that is in the world
     uint64_t kept_step; // of the newest checkpoint, NEVER: there is none
     double kept_s;      // when it was taken, by the monotonic clock
-    bool ending;        // the world stops for good before its end
+    double summed_s;    // when the summary's numbers were last made, and how long that took
+    double sum_cost_s;
+    bool ending; // the world stops for good before its end
 };
 
 static void announce(const struct context *c)
@@ -96,12 +99,26 @@ static enum scree_status declare_streams(struct context *c, const struct scree_w
     return status;
 }
 
-/* Publishes where the world stands. `rate` and wall time are of this run. */
-static void publish(struct context *c, const struct scree_world *world, double rate, double wall_s)
+/* Makes the summary's numbers. Some cost more than a slice (a spectrum's fit): unless
+ * `now`, they wait until making them takes less than a hundredth of the time. */
+static bool sum_up(struct context *c, const struct scree_world *world, bool now, struct scree_number *numbers, size_t *count)
+{
+    double started = seconds_now();
+    if (!now && started - c->summed_s < SUMMARY_PAUSES * c->sum_cost_s)
+        return false;
+    *count = scree_world_summary(world, numbers);
+    c->summed_s = seconds_now();
+    c->sum_cost_s = c->summed_s - started;
+    return true;
+}
+
+/* Publishes where the world stands; with all its numbers when it stops there. `rate` and wall time are of this run. */
+static void publish(struct context *c, const struct scree_world *world, double rate, double wall_s, bool stops)
 {
     struct scree_progress p = scree_world_progress(world);
     struct scree_number numbers[SCREE_SUMMARY_MAX];
-    size_t count = scree_world_summary(world, numbers);
+    size_t count = 0;
+    bool summed = sum_up(c, world, stops, numbers, &count);
     struct run_report *report = &c->run->report;
     pthread_mutex_lock(&c->run->lock);
     report->steps = p.step;
@@ -114,8 +131,10 @@ static void publish(struct context *c, const struct scree_world *world, double r
     report->wall_s = c->run->wall_before_s + wall_s;
     snprintf(report->evidence, sizeof report->evidence, "%s", p.evidence);
     snprintf(report->isa, sizeof report->isa, "%s", p.isa);
-    memcpy(report->numbers, numbers, count * sizeof *numbers);
-    report->number_count = count;
+    if (summed) {
+        memcpy(report->numbers, numbers, count * sizeof *numbers);
+        report->number_count = count;
+    }
     pthread_mutex_unlock(&c->run->lock);
     announce(c);
 }
@@ -249,31 +268,32 @@ static enum scree_status run_slices(struct context *c, struct scree_world *world
         enum scree_status status = obey(c, world, &next, &limit, err);
         int order = atomic_load(&c->run->order);
         if (status || order != RUN_GO) {
-            publish(c, world, rate, last - started);
+            publish(c, world, rate, last - started, true);
             return status ? status : order == RUN_CANCEL ? SCREE_CANCELLED : SCREE_BUSY; // busy: to be run again
         }
         uint64_t before = p.step, left = c->run->stop_step - p.step;
         limit = limit < left ? limit : left;
+        double begun = seconds_now();
         if ((status = scree_world_advance(world, steps < limit ? steps : limit, err)))
             return status;
         p = scree_world_progress(world);
-        double now = seconds_now(), took = fmax(now - last, 1e-6);
+        double now = seconds_now(), took = fmax(now - last, 1e-6), slice = fmax(now - begun, 1e-6);
         double sample = (double)(p.step - before) * (double)p.moving / took;
         /* Smoothed over about a second. */
         double weight = fmin(1, took / fmin(1, now - started + 1e-9));
         rate += weight * (sample - rate);
-        if (steps <= limit || took > SLICE_SECONDS)
-            steps = (uint64_t)fmax(1, fmin(1e9, (double)steps * fmin(2, SLICE_SECONDS / took)));
+        if (steps <= limit || slice > SLICE_SECONDS)
+            steps = (uint64_t)fmax(1, fmin(1e9, (double)steps * fmin(2, SLICE_SECONDS / slice)));
         last = now;
         if (now - shown >= 0.1) {
-            publish(c, world, rate, now - started);
+            publish(c, world, rate, now - started, false);
             shown = now;
         }
         if (!p.finished && checkpoint_is_due(c, &p, now))
             hand_over(c, world, RECORD_CHECKPOINT, 0);
     }
     double wall = seconds_now() - started;
-    publish(c, world, wall > 0 ? (double)(p.step - first) * (double)p.moving / wall : 0, wall);
+    publish(c, world, wall > 0 ? (double)(p.step - first) * (double)p.moving / wall : 0, wall, true);
     return SCREE_OK;
 }
 
@@ -358,7 +378,7 @@ static enum scree_status run_world(struct context *c, struct scree_error *err)
     c->reached_s = chunk_log_reached(c->log);
     if ((status = make_world(c, &sink, &world, err)) || (status = declare_streams(c, world, err)))
         goto out;
-    publish(c, world, 0, 0);
+    publish(c, world, 0, 0, true);
     status = run_slices(c, world, err);
     if (status == SCREE_BUSY && scree_world_progress(world).step != c->kept_step)
         hand_over(c, world, RECORD_CHECKPOINT, 0);

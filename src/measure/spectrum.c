@@ -198,11 +198,12 @@ size_t spectrum_octaves(const double *power, size_t bins, double df, double *f, 
 
 /* ---- fit ---- */
 
-#define FIT_FLOOR 0.02            // share of P_F^0 under which powers hardly count
-#define FIT_EDGE  (1.5 / ZETA_T0) // f tau where zeta comes to less; as many frequencies as a fit needs must lie below
-#define FIT_LOW   1e-7            // s, tau tried
-#define FIT_HIGH  1e-3
-#define FIT_RATIO 1.002
+#define FIT_FLOOR  0.02            // share of P_F^0 under which powers hardly count
+#define FIT_EDGE   (1.5 / ZETA_T0) // f tau where zeta comes to less; as many frequencies as a fit needs must lie below
+#define FIT_LOW    1e-7            // s, tau tried
+#define FIT_HIGH   1e-3
+#define FIT_COARSE 1.02 // steps of tau: at first, and about the best of those
+#define FIT_FINE   1.002
 enum { FIT_LEAST = 8, FIT_ROUNDS = 8 };
 
 static double shape_at(double f)
@@ -259,6 +260,19 @@ static struct spectrum_fit fit_at(double tau, double guess, const struct fitted 
     return fit;
 }
 
+/* The best of tau from `low` to `high` in steps of `ratio`; none is used where too few frequencies lie below the edge. */
+static struct spectrum_fit best_fit(double low, double high, double ratio, double guess, const struct fitted *d)
+{
+    struct spectrum_fit best = {0};
+    for (double tau = low; tau < high && below(FIT_EDGE / tau, d) >= FIT_LEAST; tau *= ratio) {
+        struct spectrum_fit fit = fit_at(tau, guess, d);
+        if (best.used == 0 || fit.misfit < best.misfit)
+            best = fit;
+        guess = fit.power;
+    }
+    return best;
+}
+
 enum scree_status spectrum_fit(const double *f, const double *power, size_t n, const double range[2], struct spectrum_fit *out,
                                struct scree_error *err)
 {
@@ -273,12 +287,8 @@ enum scree_status spectrum_fit(const double *f, const double *power, size_t n, c
         return scree_fail(err, SCREE_INVALID, NULL,
                           "a fit of zeta needs at least %d frequencies with power between %.9g and %.9g Hz, and there are %zu",
                           FIT_LEAST, range[0], range[1], count);
-    guess = exp(guess / (double)count);
-    for (double tau = FIT_LOW; tau < FIT_HIGH && below(FIT_EDGE / tau, &data) >= FIT_LEAST; tau *= FIT_RATIO) {
-        struct spectrum_fit fit = fit_at(tau, guess, &data);
-        if (out->used == 0 || fit.misfit < out->misfit)
-            *out = fit;
-        guess = fit.power;
-    }
+    *out = best_fit(FIT_LOW, FIT_HIGH, FIT_COARSE, exp(guess / (double)count), &data);
+    if (out->used > 0)
+        *out = best_fit(out->tau / FIT_COARSE, out->tau * FIT_COARSE, FIT_FINE, out->power, &data);
     return SCREE_OK;
 }
