@@ -11,9 +11,10 @@ static enum outcome pause_run(const struct arguments *arguments)
 const struct verb verb_pause = {
     .name = "pause",
     .synopsis = "ID...",
-    .doc = "hold jobs where they are, until `resume`",
+    .doc = "hold jobs and studies where they are, until `resume`",
     .help = "A running job stops between two steps and writes a checkpoint; its worker and its memory are free for others. It\n"
             "stays paused when the daemon is restarted. A job that is paused already stays so.\n"
+            "Of a study every trial that is on its way is paused, and no other begins.\n"
             "Prints `ID STATE`; with --json the step, too.\n"
             "\n"
             "  scree pause j17\n",

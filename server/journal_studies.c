@@ -7,7 +7,7 @@
 
 struct study_log {
     sqlite3 *db; // the journal's
-    sqlite3_stmt *insert, *update, *trial;
+    sqlite3_stmt *insert, *update, *trial, *command;
 };
 
 static const char schema[] = "CREATE TABLE IF NOT EXISTS studies("
@@ -18,7 +18,10 @@ static const char schema[] = "CREATE TABLE IF NOT EXISTS studies("
                              "CREATE TABLE IF NOT EXISTS trials("
                              " study INTEGER NOT NULL, replica INTEGER NOT NULL, point INTEGER NOT NULL,"
                              " extension INTEGER NOT NULL, job INTEGER NOT NULL,"
-                             " PRIMARY KEY(study, replica, point, extension));";
+                             " PRIMARY KEY(study, replica, point, extension));"
+                             "CREATE TABLE IF NOT EXISTS study_commands("
+                             " number INTEGER PRIMARY KEY AUTOINCREMENT,"
+                             " request TEXT NOT NULL UNIQUE, study INTEGER NOT NULL, op TEXT NOT NULL);";
 
 static enum scree_status failed(const struct study_log *log, const char *doing, struct scree_error *err)
 {
@@ -40,7 +43,9 @@ enum scree_status study_log_open(struct study_log **out, struct journal *journal
                            "UPDATE studies SET state = ?2, build = ?4, error = ?5, started = ?8, ended = ?9 WHERE number = ?10", -1,
                            &log->update, NULL) == SQLITE_OK &&
         sqlite3_prepare_v2(log->db, "INSERT INTO trials(study, replica, point, extension, job) VALUES(?1, ?2, ?3, ?4, ?5)", -1,
-                           &log->trial, NULL) == SQLITE_OK) {
+                           &log->trial, NULL) == SQLITE_OK &&
+        sqlite3_prepare_v2(log->db, "INSERT OR IGNORE INTO study_commands(request, study, op) VALUES(?1, ?2, ?3)", -1,
+                           &log->command, NULL) == SQLITE_OK) {
         *out = log;
         return SCREE_OK;
     }
@@ -56,6 +61,7 @@ void study_log_close(struct study_log *log)
     sqlite3_finalize(log->insert);
     sqlite3_finalize(log->update);
     sqlite3_finalize(log->trial);
+    sqlite3_finalize(log->command);
     free(log);
 }
 
@@ -105,6 +111,18 @@ enum scree_status study_log_add_trial(struct study_log *log, const struct trial_
     return run(log, log->trial, err);
 }
 
+enum scree_status study_log_add_command(struct study_log *log, const char *request, int64_t study, const char *op, int64_t *number,
+                                        struct scree_error *err)
+{
+    sqlite3_bind_text(log->command, 1, request, -1, SQLITE_TRANSIENT);
+    sqlite3_bind_int64(log->command, 2, study);
+    sqlite3_bind_text(log->command, 3, op, -1, SQLITE_TRANSIENT);
+    enum scree_status status = run(log, log->command, err);
+    if (!status)
+        *number = sqlite3_changes(log->db) > 0 ? sqlite3_last_insert_rowid(log->db) : 0;
+    return status;
+}
+
 static const char *text(sqlite3_stmt *statement, int at)
 {
     const unsigned char *value = sqlite3_column_text(statement, at);
@@ -124,7 +142,8 @@ static enum scree_status give_study(sqlite3_stmt *s,
                                   .again = sqlite3_column_int(s, 6) != 0,
                                   .submitted = sqlite3_column_double(s, 7),
                                   .started = sqlite3_column_double(s, 8),
-                                  .ended = sqlite3_column_double(s, 9)};
+                                  .ended = sqlite3_column_double(s, 9),
+                                  .pause = sqlite3_column_int64(s, 10)};
     return each(context, &row, err);
 }
 
@@ -146,7 +165,8 @@ enum scree_status study_log_load(struct study_log *log,
                                  struct scree_error *err)
 {
     static const char *const selects[] = {
-        "SELECT number, request, state, spec, build, error, again, submitted, started, ended FROM studies ORDER BY number",
+        "SELECT number, request, state, spec, build, error, again, submitted, started, ended,"
+        " (SELECT MAX(number) FROM study_commands WHERE study = studies.number AND op = 'pause') FROM studies ORDER BY number",
         "SELECT study, replica, point, extension, job FROM trials ORDER BY rowid"};
     enum scree_status status = SCREE_OK;
     for (int k = 0; k < 2 && !status; k++) {

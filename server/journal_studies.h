@@ -15,6 +15,7 @@ struct study_row {
     const char *error; // JSON, "" if none
     bool again;        // its trials do not take results of jobs that ended before it
     double submitted, started, ended;
+    int64_t pause; // number of its newest command to pause, 0: none
 };
 
 struct trial_row {
@@ -31,6 +32,9 @@ void study_log_close(struct study_log *log);
 enum scree_status study_log_insert(struct study_log *log, struct study_row *row, struct scree_error *err);
 enum scree_status study_log_update(struct study_log *log, const struct study_row *row, struct scree_error *err);
 enum scree_status study_log_add_trial(struct study_log *log, const struct trial_row *row, struct scree_error *err);
+/* *number is 0 when that request has been noted before. */
+enum scree_status study_log_add_command(struct study_log *log, const char *request, int64_t study, const char *op, int64_t *number,
+                                        struct scree_error *err);
 
 /* Every study in order of number, then every trial in the order in which they were added. */
 enum scree_status study_log_load(struct study_log *log,

@@ -46,6 +46,8 @@ enum scree_status scheduler_cancel_as(struct scheduler *scheduler, const char *r
  * `steered` is called with the ticket, perhaps at once; a request that was made before is the same command. */
 enum scree_status scheduler_steer(struct scheduler *scheduler, const char *request, struct job *job, enum command_op op,
                                   const char *detail, uint64_t ticket, struct scree_error *err);
+/* Whether a command was made under that request. */
+bool scheduler_knows(const struct scheduler *scheduler, const char *request);
 /* A new job that does the same again from the start: spec, origin, and commands at their steps. */
 enum scree_status scheduler_replay(struct scheduler *scheduler, const char *request, struct job *job, struct job **out,
                                    struct scree_error *err);
@@ -53,6 +55,9 @@ enum scree_status scheduler_replay(struct scheduler *scheduler, const char *requ
 cJSON *scheduler_steering(const struct scheduler *scheduler, const struct job *job);
 /* A result file of the job as it stands; `fetched` is called with the ticket, perhaps at once. */
 enum scree_status scheduler_fetch(struct scheduler *scheduler, struct job *job, uint64_t ticket, struct scree_error *err);
+
+/* Time of day, Unix seconds. */
+double scheduler_unix_now(void);
 
 /* Has the recorder write a file that is no job's result (an order with `write`); takes the order over.
  * `recorded` is told when it is there. */

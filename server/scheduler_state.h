@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the scheduler's own files (scheduler.c, steering.c, holds.c, restart.c) share. Nobody else includes it. */
+/* What the scheduler's own files (scheduler*.c, steering*.c, holds.c, restart.c) share. Nobody else includes it. */
 #ifndef SCREE_SERVER_SCHEDULER_STATE_H
 #define SCREE_SERVER_SCHEDULER_STATE_H
 
@@ -26,7 +26,6 @@ struct scheduler {
 
 /* ---- scheduler.c ---- */
 
-double scheduler_unix_now(void);
 double scheduler_monotonic(void);
 struct job *scheduler_by_number(const struct scheduler *s, int64_t number);
 void scheduler_changed(struct scheduler *s, const struct job *job, enum job_event what);
@@ -52,6 +51,14 @@ void scheduler_free_job(struct job *job);
 /* Makes a folder with its parents. */
 enum scree_status scheduler_folder(const char *path, struct scree_error *err);
 
+/* ---- steering_specs.c ---- */
+
+/* *to is *from with the assignments of a command's `detail`. */
+enum scree_status steering_change(const struct job_spec *from, const char *detail, struct job_spec *to, struct scree_error *err);
+/* The job's spec with every `set` up to and with number `last` that has taken effect; with `pending` those that wait, too. */
+enum scree_status steering_compose(const struct scheduler *s, const struct job *job, int64_t last, bool pending,
+                                   struct job_spec *out, struct scree_error *err);
+
 /* ---- steering.c ---- */
 
 enum scree_status steering_load(struct scheduler *s, struct scree_error *err);
@@ -63,9 +70,6 @@ bool steering_paused(struct scheduler *s, struct job *job);
 void steering_ended(struct scheduler *s, struct job *job);
 /* A checkpoint or a fork's file has been written, or not. */
 void steering_recorded(struct scheduler *s, const struct record_order *order);
-/* The job's spec with every `set` up to and with number `last` that has taken effect; with `pending` those that wait, too. */
-enum scree_status steering_compose(const struct scheduler *s, const struct job *job, int64_t last, bool pending,
-                                   struct job_spec *out, struct scree_error *err);
 /* A new command, committed (within a transaction: once that is), and how it is taken back when that failed. */
 enum scree_status steering_insert(struct scheduler *s, const char *request, struct job *job, enum command_op op, const char *detail,
                                   int64_t step, struct command **out, struct scree_error *err);

@@ -45,6 +45,11 @@ static struct command *by_request(const struct scheduler *s, const char *request
     return NULL;
 }
 
+bool scheduler_knows(const struct scheduler *s, const char *request)
+{
+    return by_request(s, request) != NULL;
+}
+
 static struct command *by_number(const struct scheduler *s, int64_t number)
 {
     for (size_t k = s->command_count; k-- > 0 && s->commands[k]->number >= number;)
@@ -122,65 +127,7 @@ static void answer(struct scheduler *s, struct command *c, const struct scree_er
         s->watch.steered(s->watch.context, ticket, c->job, c, error);
 }
 
-/* ---- specs ---- */
-
-/* A job as a tree that can be changed and decoded: job_encode's own holds its numbers as text. */
-static enum scree_status tree_of(const struct job_spec *job, cJSON **out, struct scree_error *err)
-{
-    cJSON *json = job_encode(job);
-    char *text = json ? json_print(json, false) : NULL;
-    enum scree_status status =
-        text ? json_read(text, strlen(text), "spec", out, err) : scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for a job");
-    cJSON_Delete(json);
-    free(text);
-    return status;
-}
-
-/* Adds the assignments of a command's detail to a job's JSON. */
-static enum scree_status assign(cJSON *spec, const char *detail, struct scree_error *err)
-{
-    cJSON *json = NULL;
-    const cJSON *item;
-    enum scree_status status = json_read(detail, strlen(detail), "command", &json, err);
-    cJSON_ArrayForEach(item, json_get(json, "set")) if (!status && cJSON_IsString(item))
-    {
-        status = job_json_set(spec, item->valuestring, err);
-    }
-    cJSON_Delete(json);
-    return status;
-}
-
-/* *to is *from with the assignments of `detail`. */
-static enum scree_status changed_spec(const struct job_spec *from, const char *detail, struct job_spec *to, struct scree_error *err)
-{
-    cJSON *spec = NULL;
-    enum scree_status status;
-    if (!(status = tree_of(from, &spec, err)) && !(status = assign(spec, detail, err)))
-        status = job_decode(spec, to, err);
-    cJSON_Delete(spec);
-    return status;
-}
-
-enum scree_status steering_compose(const struct scheduler *s, const struct job *job, int64_t last, bool pending,
-                                   struct job_spec *out, struct scree_error *err)
-{
-    cJSON *spec = NULL;
-    enum scree_status status = SCREE_OK;
-    for (size_t k = 0; k < s->command_count && !status; k++) {
-        const struct command *c = s->commands[k];
-        bool counts = c->step >= 0 ? c->number <= last : pending && c->step == COMMAND_PENDING;
-        if (c->job != job || c->op != COMMAND_SET || !counts)
-            continue;
-        if (spec || !(status = tree_of(&job->base, &spec, err)))
-            status = assign(spec, c->detail, err);
-    }
-    if (!status && spec)
-        status = job_decode(spec, out, err);
-    else if (!status)
-        *out = job->base;
-    cJSON_Delete(spec);
-    return status;
-}
+/* ---- what a run is told ---- */
 
 static enum scree_status push(struct run *run, const struct run_command *command, struct scree_error *err)
 {
@@ -206,7 +153,7 @@ enum scree_status steering_script(struct scheduler *s, const struct job *job, st
                 continue;
             if (pass == 0)
                 command.step = (uint64_t)c->step;
-            if (c->op == COMMAND_SET && (status = changed_spec(&now, c->detail, &command.to, err)))
+            if (c->op == COMMAND_SET && (status = steering_change(&now, c->detail, &command.to, err)))
                 break;
             if (pass == 1 || !job_same(&now, &command.to)) // priorities are no business of the world
                 status = push(run, &command, err);
@@ -245,7 +192,7 @@ static enum scree_status make_child(struct scheduler *s, struct command *c, cons
     char *text = json_print(origin, false);
     snprintf(request, sizeof request, "%s:fork", c->request); // no client can send that, and it starts with the user
     enum scree_status status = text ? SCREE_OK : scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for a fork");
-    if (!status && !(status = changed_spec(from, c->detail, &to, err)) && !(status = job_check(&to, 0, err)) &&
+    if (!status && !(status = steering_change(from, c->detail, &to, err)) && !(status = job_check(&to, 0, err)) &&
         !(status = job_steer_check(from, &to, err)) && !(status = journal_begin(s->journal, err))) {
         if (!(status = scheduler_insert(s, request, &to, text, &child, err)))
             status = give_step(s, c, (int64_t)step, child->number, err);
@@ -460,7 +407,10 @@ static enum scree_status in_time(struct scheduler *s, const char *request, struc
     c->ticket = ticket;
     if (job->run && op != COMMAND_PAUSE) {
         const struct run_command command = {.number = c->number, .op = op, .step = NEXT_BOUNDARY, .to = *to};
-        return push(job->run, &command, err);
+        /* Without memory it waits in the journal for the job's next run, and the client is told so. */
+        if ((status = push(job->run, &command, err)))
+            c->ticket = 0;
+        return status;
     }
     if (job->run)
         scheduler_order(job, RUN_PAUSE);
@@ -509,9 +459,9 @@ static enum scree_status steer_set(struct scheduler *s, const char *request, str
 {
     struct job_spec from, to, now;
     enum scree_status status;
-    if ((status = steering_compose(s, job, INT64_MAX, true, &from, err)) || (status = changed_spec(&from, detail, &to, err)) ||
+    if ((status = steering_compose(s, job, INT64_MAX, true, &from, err)) || (status = steering_change(&from, detail, &to, err)) ||
         (status = job_check(&to, 0, err)) || (status = job_steer_check(&from, &to, err)) ||
-        (status = changed_spec(&job->spec, detail, &now, err)))
+        (status = steering_change(&job->spec, detail, &now, err)))
         return status;
     /* A priority is no business of the world. What is no change to commands that wait may still be one to the world as it is. */
     if (job_same(&from, &to) && job_same(&job->spec, &now))
@@ -539,7 +489,7 @@ static enum scree_status steer_fork(struct scheduler *s, const char *request, st
     struct run_start start;
     struct command *c = NULL;
     enum scree_status status;
-    if ((status = steering_compose(s, job, INT64_MAX, true, &from, err)) || (status = changed_spec(&from, detail, &to, err)) ||
+    if ((status = steering_compose(s, job, INT64_MAX, true, &from, err)) || (status = steering_change(&from, detail, &to, err)) ||
         (status = job_check(&to, 0, err)) || (status = job_steer_check(&from, &to, err)))
         return status;
     if (job->run)

@@ -4,6 +4,7 @@
  *      submit                first trial submitted          nothing left to try
  *   ------------> queued ----------------------> running ------------------------> done | failed
  *                   |                               |
+ *                   |------------- pause -----------|--> paused, and its trials with it; resume: back again
  *                   `------------- cancel ----------'--> cancelled, and its trials with it
  *
  * What a study knows, it knows from its trials: the journal keeps its spec, its
@@ -37,24 +38,9 @@
 #include "log.h"
 #include "protocol/frame.h"
 #include "requests.h"
+#include "studies_state.h"
 
 enum { STUDIES_ACTIVE_MAX = 1000 };
-
-struct studies {
-    const struct config *config;
-    struct scheduler *scheduler;
-    struct studies_watch watch;
-    struct study_log *log;
-    struct study **all; // by number, ascending
-    size_t count, room, active;
-};
-
-static double unix_now(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_REALTIME, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 /* ---- one study in memory ---- */
 
@@ -101,35 +87,6 @@ static struct study *by_number(const struct studies *s, int64_t number)
 
 /* ---- journal ---- */
 
-static void enter(struct studies *s, struct study *study, enum job_state state)
-{
-    struct scree_error error = {0};
-    char *text = NULL;
-    if (state == JOB_FAILED) {
-        cJSON *json = error_json(scree_status_word(study->error.status), &study->error);
-        text = json ? json_print(json, false) : NULL;
-        cJSON_Delete(json);
-    }
-    s->active -= !job_state_ended(study->state) && job_state_ended(state);
-    study->state = state;
-    if (state == JOB_RUNNING && study->started == 0)
-        study->started = unix_now();
-    if (job_state_ended(state))
-        study->ended = unix_now();
-    const struct study_row row = {.number = study->number,
-                                  .state = job_state_word(state),
-                                  .build = study->build,
-                                  .error = text ? text : "",
-                                  .started = study->started,
-                                  .ended = study->ended};
-    if (study_log_update(s->log, &row, &error))
-        log_line(LOG_ERROR, "study=%s state=%s %s", study->id, job_state_word(state), error.message);
-    log_line(LOG_INFO, "study=%s kind=%s state=%s%s%s", study->id, study_kinds[study->plan.spec.kind].name, job_state_word(state),
-             state == JOB_FAILED ? " error=" : "", state == JOB_FAILED ? study->error.message : "");
-    free(text);
-    s->watch.changed(s->watch.context, study);
-}
-
 static enum scree_status load_study(void *context, const struct study_row *row, struct scree_error *err)
 {
     struct studies *s = context;
@@ -145,6 +102,8 @@ static enum scree_status load_study(void *context, const struct study_row *row, 
     study->submitted = row->submitted;
     study->started = row->started;
     study->ended = row->ended;
+    study->pause = row->pause;
+    study->resumes = row->pause > 0; // a daemon that was killed may have got no further
     study->state = job_state_of(row->state);
     if (*row->error && json_read(row->error, strlen(row->error), "error", &json, NULL) == SCREE_OK)
         error_read(json, &study->error);
@@ -261,7 +220,7 @@ static enum scree_status launch(struct studies *s, struct study *study, int repl
         return status;
     if (study->state == JOB_QUEUED) {
         snprintf(study->build, sizeof study->build, "%s", scree_build());
-        enter(s, study, JOB_RUNNING);
+        studies_enter(s, study, JOB_RUNNING);
     }
     return SCREE_OK;
 }
@@ -300,16 +259,6 @@ static enum scree_status launch_search(struct studies *s, struct study *study, b
 
 /* ---- endings ---- */
 
-/* Cancels what is on its way of a study that is over. */
-static enum scree_status cancel_trials(struct studies *s, struct study *study, struct scree_error *err)
-{
-    enum scree_status status = SCREE_OK;
-    for (size_t k = study->first_open; k < study->trial_count && !status; k++)
-        if (study->trials[k].job && !job_state_ended(study->trials[k].job->state))
-            status = scheduler_cancel(s->scheduler, study->trials[k].job, err);
-    return status;
-}
-
 static void conclude_sweep(struct studies *s, struct study *study)
 {
     size_t failed = 0, cancelled = 0, altered = 0;
@@ -323,14 +272,14 @@ static void conclude_sweep(struct studies *s, struct study *study)
             first = job;
     }
     if (failed + cancelled + altered == 0) {
-        enter(s, study, JOB_DONE);
+        studies_enter(s, study, JOB_DONE);
         return;
     }
     scree_fail(&study->error, first && first->report.status ? first->report.status : SCREE_CANCELLED, "",
                "of %zu trials %zu failed, %zu were cancelled and %zu were changed with `set`; the first of them is %s%s%s",
                study->trial_count, failed, cancelled, altered, first ? first->id : "lost",
                first && *first->report.error.message ? ": " : "", first ? first->report.error.message : "");
-    enter(s, study, JOB_FAILED);
+    studies_enter(s, study, JOB_FAILED);
 }
 
 static void conclude(struct studies *s, struct study *study)
@@ -338,12 +287,12 @@ static void conclude(struct studies *s, struct study *study)
     if (!study_is_search(study))
         conclude_sweep(s, study);
     else
-        enter(s, study, study_explain(study, &study->error) ? JOB_FAILED : JOB_DONE);
+        studies_enter(s, study, study_explain(study, &study->error) ? JOB_FAILED : JOB_DONE);
 }
 
 static bool turn_study(struct studies *s, struct study *study)
 {
-    bool busy = false, more = true;
+    bool busy = studies_resume_trials(s, study), more = true;
     while (more) {
         while (take_ends(study))
             busy = true;
@@ -357,8 +306,8 @@ static bool turn_study(struct studies *s, struct study *study)
             return busy; // the queue is full: at another turn
         if (status) {
             study->error = error;
-            enter(s, study, JOB_FAILED);
-            cancel_trials(s, study, NULL);
+            studies_enter(s, study, JOB_FAILED);
+            studies_cancel_trials(s, study, NULL);
             return true;
         }
         busy |= more;
@@ -372,7 +321,7 @@ bool studies_turn(struct studies *s)
 {
     bool busy = false;
     for (size_t k = 0; k < s->count && s->active > 0; k++)
-        if (!job_state_ended(s->all[k]->state))
+        if (!job_state_ended(s->all[k]->state) && s->all[k]->state != JOB_PAUSED) // what ends meanwhile is looked at afterwards
             busy |= turn_study(s, s->all[k]);
     return busy;
 }
@@ -399,7 +348,9 @@ enum scree_status studies_open(struct studies **out, struct scheduler *scheduler
         while (s->all[k]->readable && take_ends(s->all[k]))
             ;                                  // searches that have ended are made anew, too: they are shown
         if (job_state_ended(s->all[k]->state)) // by a daemon that was killed before it had cancelled the trials
-            cancel_trials(s, s->all[k], NULL);
+            studies_cancel_trials(s, s->all[k], NULL);
+        else if (s->all[k]->state == JOB_PAUSED)
+            studies_pause_trials(s, s->all[k]);
     }
     *out = s;
     return SCREE_OK;
@@ -466,7 +417,7 @@ enum scree_status studies_submit(struct studies *s, const char *request, const c
     }
     study->state = JOB_QUEUED;
     study->again = again;
-    study->submitted = unix_now();
+    study->submitted = scheduler_unix_now();
     snprintf(study->request, sizeof study->request, "%s", request);
     struct study_row row = {.request = request,
                             .state = "queued",
@@ -487,14 +438,6 @@ enum scree_status studies_submit(struct studies *s, const char *request, const c
 out:
     free_study(study);
     return status;
-}
-
-enum scree_status studies_cancel(struct studies *s, struct study *study, struct scree_error *err)
-{
-    if (job_state_ended(study->state))
-        return SCREE_OK;
-    enter(s, study, JOB_CANCELLED); // first, or a daemon that ends here would go on with it
-    return cancel_trials(s, study, err);
 }
 
 struct study *studies_find(struct studies *s, const char *id)

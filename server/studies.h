@@ -30,6 +30,11 @@ enum scree_status studies_submit(struct studies *studies, const char *request, c
 /* Cancels what runs of it; an ended study stays as it is. */
 enum scree_status studies_cancel(struct studies *studies, struct study *study, struct scree_error *err);
 
+/* Pauses or resumes what runs of it; until it is resumed nothing else is started. `request` as for scheduler_steer: one that
+ * was made before does nothing. SCREE_CONFLICT: the study has ended. */
+enum scree_status studies_steer(struct studies *studies, const char *request, struct study *study, enum command_op op,
+                                struct scree_error *err);
+
 /* By id ("s3"), NULL if there is none. */
 struct study *studies_find(struct studies *studies, const char *id);
 size_t studies_count(const struct studies *studies);

@@ -21,7 +21,9 @@ struct study {
     int64_t number;
     char id[JOB_ID_MAX];
     char request[JOB_REQUEST_MAX]; // of its submit; NAME/ before it if a user from the network sent it
-    enum job_state state;          // queued, running, done, failed or cancelled
+    enum job_state state;          // queued, running, paused, done, failed or cancelled
+    int64_t pause;                 // number of its newest command to pause, 0: none
+    bool resumes;                  // trials of that pause may still have to go on
     char *spec_text;               // resolved, one line; owned
     struct study_plan plan;
     bool again, readable; // readable: this version understands the spec

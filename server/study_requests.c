@@ -294,6 +294,33 @@ static enum scree_status do_cancel(struct daemon *daemon, const cJSON *body, con
     return SCREE_OK;
 }
 
+static enum scree_status steer(struct daemon *daemon, const cJSON *body, const char *id, enum command_op op, cJSON **result,
+                               struct scree_error *err)
+{
+    struct study *study;
+    char request[LIMITS_REQUEST_MAX];
+    limits_request(&daemon->user, id, request);
+    enum scree_status status = find_study(daemon, body, &study, err);
+    if (status || (status = studies_steer(daemon->studies, request, study, op, err)))
+        return status;
+    *result = cJSON_CreateObject();
+    json_put_text(*result, "job", study->id);
+    json_put_text(*result, "op", command_op_word(op));
+    json_put_text(*result, "state", job_state_word(study->state));
+    return SCREE_OK;
+}
+
+static enum scree_status do_pause(struct daemon *daemon, const cJSON *body, const char *id, cJSON **result, struct scree_error *err)
+{
+    return steer(daemon, body, id, COMMAND_PAUSE, result, err);
+}
+
+static enum scree_status do_resume(struct daemon *daemon, const cJSON *body, const char *id, cJSON **result,
+                                   struct scree_error *err)
+{
+    return steer(daemon, body, id, COMMAND_RESUME, result, err);
+}
+
 /* Sets *later when the answer comes with the ticket. */
 static enum scree_status do_fetch(struct daemon *daemon, const cJSON *body, bool *later, cJSON **result, struct scree_error *err)
 {
@@ -333,8 +360,8 @@ static const struct operation {
     const char *name;
     enum scree_status (*carry_out)(struct daemon *, const cJSON *, const char *, cJSON **, struct scree_error *);
 } operations[] = {
-    {"check", do_check},   {"submit", do_submit}, {"show", do_show},
-    {"cancel", do_cancel}, {"table", do_table},   {"fetch_part", do_fetch_part},
+    {"check", do_check}, {"submit", do_submit},         {"show", do_show},   {"cancel", do_cancel},
+    {"table", do_table}, {"fetch_part", do_fetch_part}, {"pause", do_pause}, {"resume", do_resume},
 };
 
 enum answer study_request(struct daemon *daemon, const struct envelope *envelope, const cJSON *body, cJSON **reply)

@@ -253,6 +253,48 @@ class Studies(Client):
         time.sleep(0.3)
         self.assertEqual((self.ask("show", job=study)["state"], len(self.ask("list")["jobs"])), ("cancelled", 3))
 
+    def test_pause_takes_the_trials_with_it(self):
+        """What is on its way rests, nothing new begins, also after a restart; a trial that somebody paused by hand is
+        not woken with its study; a command that is sent again changes nothing."""
+        daemon = self.daemon(workers=1)
+        spec = {"study": "sweep", "job": {**FLOW, "stop": {"when": []}, "time": {"step_s": 2e-6, "end_s": 2}},
+                "grid": {"seed": [1, 2, 3, 4, 5]}, "at_once": 3}
+        study = self.control.submit(spec)
+        self.until(lambda: self.ask("show", job=study)["jobs"]["running"] == 1)
+        by_hand = self.ask("show", job=study)["trials"][2]["job"]
+        self.ask("pause", job=by_hand)
+        states = lambda: self.ask("show", job=study)["jobs"]
+        request = self.control.ask("pause", {"job": study}, request="once")
+        self.assertEqual((request["state"], request["op"]), ("paused", "pause"))
+        self.until(lambda: states()["paused"] == 3)
+        self.assertEqual(self.ask("pause", job=study)["state"], "paused")
+        daemon.stop(signal.SIGKILL)
+        self.daemon(workers=1)
+        self.assertEqual(self.ask("show", job=study)["state"], "paused")
+        time.sleep(0.5)
+        self.assertEqual((states()["paused"], states()["running"], states()["queued"]), (3, 0, 0))
+        self.assertEqual(self.ask("resume", job=study)["state"], "running")
+        self.until(lambda: states()["done"] >= 2)
+        self.assertEqual(self.ask("show", job=by_hand)["state"], "paused")
+        self.assertEqual(self.control.ask("pause", {"job": study}, request="once")["state"], "running")
+        self.ask("resume", job=by_hand)
+        self.finished(study)
+        with self.assertRaises(Refused) as refused:
+            self.ask("pause", job=study)
+        self.assertEqual(refused.exception.code, "conflict")
+
+    def test_paused_and_resumed_at_once(self):
+        """The pause of a running trial takes a moment: a resume that comes before it must not be lost."""
+        self.daemon(workers=2)
+        spec = {"study": "sweep", "job": {**FLOW, "stop": {"when": []}, "time": {"step_s": 2e-6, "end_s": 1}},
+                "grid": {"seed": [1, 2, 3]}, "at_once": 2}
+        study = self.control.submit(spec)
+        self.until(lambda: self.ask("show", job=study)["jobs"]["running"] >= 1)
+        for _ in range(3):
+            self.ask("pause", job=study)
+            self.ask("resume", job=study)
+        self.finished(study)
+
     def test_trial_that_was_steered_is_no_answer(self):
         """Its verdict is that of other parameters than the table says: a bracket must not be built on it,
         nor a sweep be called done, not even when the value was set back before the end, nor after a restart."""
