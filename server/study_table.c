@@ -81,6 +81,7 @@ static void put_columns(cJSON *columns, const struct study *study, const struct 
     column(columns, "job", "");
     column(columns, "state", "");
     column(columns, "verdict", "");
+    column(columns, "steered", ""); // 1: parameters were changed with `set` while it ran
     column(columns, "time", "s");
     column(columns, "steps", "");
     column(columns, "wall", "s");
@@ -144,6 +145,7 @@ static cJSON *trial_row(const struct study *study, size_t index, const struct nu
     word(row, job ? job->id : "");
     word(row, job ? job_state_word(job->state) : "lost");
     word(row, job ? scree_verdict_word(job->report.verdict) : "");
+    real(row, job ? job->altered : NAN);
     real(row, job ? job->report.time_s : NAN);
     real(row, job ? (double)job->report.steps : NAN);
     real(row, job ? job->report.wall_s : NAN);

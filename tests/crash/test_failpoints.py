@@ -49,6 +49,7 @@ class Failpoints(unittest.TestCase):
                         session.wait_all()
                         if passage == 1:
                             self.assertFalse(session.deaths == 0 and session.daemon.alive(), "the failpoint was not passed")
+                        session.revive()  # the judge replays jobs, which must not pass the failpoint
                         session.judge(replays=1 if SLOW else 0)
                     except BaseException:
                         sys.stderr.write(f"failpoint {name}\n" + session.daemon.log())
