@@ -7,7 +7,10 @@
  *     P_F^0 = A int n_I(z) J(z)^2 <cos^2> T(z) dz
  * with T what the way to the base leaves. None has a fitted constant but those
  * named below. Do not cite numbers from here as the papers'. How well they do over
- * several flows (epsilon) is drawn by `scree plot` of a sweep. */
+ * several flows (epsilon) is drawn by `scree plot` of a sweep. The two layer models
+ * lie two to three orders of magnitude low in dense flows, for their rate: on the base
+ * of a flow 8 d deep at 22 degrees a grain forms contacts thousands of times while it
+ * passes one bump, each with an impulse like theirs, and not once. */
 #ifndef SCREE_MEASURE_MODELS_H
 #define SCREE_MEASURE_MODELS_H
 

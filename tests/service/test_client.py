@@ -15,6 +15,7 @@ import struct
 import subprocess
 import tempfile
 import termios
+import threading
 import time
 import unittest
 
@@ -669,17 +670,19 @@ class Restart(Client):
         daemon = self.start()
         spec = {**FLOW, "time": {"end_s": 1.5}, "record": {"basal_force": {"every_s": 2.5e-5, "chunk": 100}}}
         job = self.scree("submit", self.spec(spec)).stdout.strip()
-        seen = []
+        lines = []
         process = self.open("tail", job, "basal_force", "--json")
-        while len(seen) < 5:
-            seen.append(json.loads(process.stdout.readline()))
+        reader = threading.Thread(target=lambda: lines.extend(iter(process.stdout.readline, "")))  # or a full pipe stops it
+        reader.start()
+        self.until(lambda: len(lines) >= 5)
         daemon.process.kill()
         daemon.process.wait()
         self.until(lambda: "gone" in process.stderr.readline())
         again = self.start()
-        out, err = process.communicate(timeout=2 * PATIENCE_S)
-        seen += [json.loads(line) for line in out.splitlines()]
-        self.assertEqual(process.returncode, 0, err)
+        err = process.stderr.read()
+        self.assertEqual(process.wait(2 * PATIENCE_S), 0, err)
+        reader.join()
+        seen = [json.loads(line) for line in lines]
         self.assertIn("back", err)
         self.assertEqual([chunk["seq"] for chunk in seen], list(range(len(seen))))
         record = again.control.wait(job)

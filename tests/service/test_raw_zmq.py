@@ -414,7 +414,10 @@ class RawClient(unittest.TestCase):
         patient = self.daemon.streams()
         self.addCleanup(patient.close)
         patient.open("patient", self.job, "basal_force")
-        before = descriptors()
+        before, end = 0, time.monotonic() + 1
+        while time.monotonic() < end:  # until the daemon has heard of the patient one, which takes a descriptor
+            before = max(before, descriptors())
+            time.sleep(0.02)
         for _ in range(20):
             reader = self.daemon.streams()
             for key in range(10):
