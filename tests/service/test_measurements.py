@@ -12,7 +12,7 @@ import h5py
 import numpy
 
 from model import tiny
-from raw import Daemon
+from raw import PATIENCE_S, Daemon
 
 BIN = os.environ["SCREE_BIN"]
 SOURCE = os.environ["SCREE_SOURCE"]
@@ -52,7 +52,7 @@ class Measurements(unittest.TestCase):
     @classmethod
     def scree(cls, *words, code=0):
         done = subprocess.run([os.path.join(BIN, "scree"), "--connect", cls.daemon.endpoint, *words],
-                              capture_output=True, text=True, timeout=60)
+                              capture_output=True, text=True, timeout=PATIENCE_S)
         assert done.returncode == code, done.stderr
         return done
 

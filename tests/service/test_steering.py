@@ -10,7 +10,7 @@ import unittest
 import uuid
 
 from model import tiny
-from raw import BIN, Daemon, Refused
+from raw import BIN, PATIENCE_S, Daemon, Refused
 
 LONG = tiny(end_s=1000, record={"basal_force": {"every_s": 1e-4, "chunk": 100}})
 
@@ -277,7 +277,7 @@ class Steering(unittest.TestCase):
     # ---- client ----
 
     def scree(self, *arguments):
-        return subprocess.run([os.path.join(BIN, "scree"), *arguments], capture_output=True, text=True, timeout=60, check=False,
+        return subprocess.run([os.path.join(BIN, "scree"), *arguments], capture_output=True, text=True, timeout=PATIENCE_S, check=False,
                               env={**os.environ, "SCREE_RUNTIME": os.path.join(self.folder, "run")}, stdin=subprocess.DEVNULL)
 
     def test_verbs(self):

@@ -47,7 +47,7 @@ class Studies(Client):
     def ask(self, op, **body):
         return self.control.ask(op, body)
 
-    def finished(self, study, state="done", timeout_s=120):
+    def finished(self, study, state="done", timeout_s=2 * PATIENCE_S):
         record = self.control.wait(study, timeout_s=timeout_s)
         self.assertEqual(record["state"], state, record["error"])
         return record

@@ -13,7 +13,7 @@ import signal
 import time
 import uuid
 
-from raw import Daemon, Refused, chunk_hash, crc32c, receive
+from raw import PATIENCE_S, Daemon, Refused, chunk_hash, crc32c, receive
 
 FAULTS = os.environ.get("SCREE_FAULTS", "")
 SLOW = bool(os.environ.get("SCREE_SLOW"))
@@ -162,7 +162,7 @@ class Session:
 
     # ---- the judge ----
 
-    def judge(self, replays=None, timeout_s=120):
+    def judge(self, replays=None, timeout_s=2 * PATIENCE_S):
         if not self.daemon.alive():
             self.revive()
         control = self.daemon.control

@@ -15,7 +15,7 @@ import uuid
 import zmq
 
 BIN = os.environ["SCREE_BIN"]
-PATIENCE_S = 60  # for anything that should come at once; sanitizers and busy machines are slow
+PATIENCE_S = float(os.environ.get("SCREE_PATIENCE", 60))  # for anything that should come at once; machines may be busy
 
 
 class Refused(Exception):
@@ -110,7 +110,7 @@ class Control:
     def submit(self, spec, request=None, again=False):
         return self.ask("submit", {"spec": spec, "again": again}, request=request)["job"]
 
-    def wait(self, job, states=("done", "failed", "cancelled"), timeout_s=120):
+    def wait(self, job, states=("done", "failed", "cancelled"), timeout_s=2 * PATIENCE_S):
         """The record of the job once it is in one of the states."""
         end = time.monotonic() + timeout_s
         while True:
