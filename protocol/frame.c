@@ -72,6 +72,7 @@ cJSON *error_json(const char *code, const struct scree_error *error)
 
 cJSON *reply_error(const char *id, const char *code, const struct scree_error *error)
 {
+    json_starved(); // the failure itself may be one
     cJSON *json = cJSON_CreateObject();
     if (json) {
         json_put_text(json, "id", id);

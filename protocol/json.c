@@ -344,6 +344,28 @@ cJSON *json_real(double value)
     return cJSON_CreateRaw(text);
 }
 
+static _Thread_local bool starved;
+
+static void *watched_malloc(size_t size)
+{
+    void *memory = malloc(size);
+    starved |= !memory;
+    return memory;
+}
+
+/* cJSON leaves out what it has no memory for and does not say so. */
+__attribute__((constructor)) static void watch_memory(void)
+{
+    cJSON_InitHooks(&(cJSON_Hooks){.malloc_fn = watched_malloc, .free_fn = free});
+}
+
+bool json_starved(void)
+{
+    bool was = starved;
+    starved = false;
+    return was;
+}
+
 void json_put(cJSON *object, const char *key, cJSON *item)
 {
     if (item && !cJSON_AddItemToObject(object, key, item))

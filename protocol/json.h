@@ -29,6 +29,9 @@ enum scree_status json_read_file(const char *path, cJSON **out, struct scree_err
 /* A number that reads back to the same bits; integers up to 2^53 without fraction. */
 cJSON *json_real(double value);
 
+/* Whether a tree of this thread has lacked memory since the last call: it is valid then, but not whole. */
+bool json_starved(void);
+
 /* Adds under a key; on lack of memory the tree stays valid without it. */
 void json_put(cJSON *object, const char *key, cJSON *item);
 void json_put_real(cJSON *object, const char *key, double value);

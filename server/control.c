@@ -141,9 +141,10 @@ static enum scree_status open_sockets(struct control *c, struct scree_error *err
 static void send_reply(struct control *c, const void *peer, size_t peer_size, cJSON *reply)
 {
     char *text = reply ? json_print(reply, false) : NULL;
+    bool whole = !json_starved();
     cJSON_Delete(reply);
-    /* A peer that is gone, or does not read, asks again if it cares. */
-    if (text && zmq_send(c->control, peer, peer_size, ZMQ_SNDMORE | ZMQ_DONTWAIT) >= 0) {
+    /* A peer that is gone, or does not read, asks again if it cares; and so does one whose answer found no memory. */
+    if (text && whole && zmq_send(c->control, peer, peer_size, ZMQ_SNDMORE | ZMQ_DONTWAIT) >= 0) {
         zmq_send(c->control, PROTOCOL_VERSION, strlen(PROTOCOL_VERSION), ZMQ_SNDMORE | ZMQ_DONTWAIT);
         zmq_send(c->control, text, strlen(text), ZMQ_DONTWAIT);
     }
@@ -153,8 +154,9 @@ static void send_reply(struct control *c, const void *peer, size_t peer_size, cJ
 static void publish_text(struct control *c, const char *topic, cJSON *json)
 {
     char *text = json ? json_print(json, false) : NULL;
+    bool whole = !json_starved();
     cJSON_Delete(json);
-    if (text && zmq_send(c->events, topic, strlen(topic), ZMQ_SNDMORE | ZMQ_DONTWAIT) >= 0)
+    if (text && whole && zmq_send(c->events, topic, strlen(topic), ZMQ_SNDMORE | ZMQ_DONTWAIT) >= 0)
         zmq_send(c->events, text, strlen(text), ZMQ_DONTWAIT);
     free(text);
 }
@@ -208,6 +210,7 @@ static void job_changed(void *context, const struct job *job, enum job_event wha
 static void job_fetched(void *context, uint64_t ticket, const struct job *job, const char *path, const struct scree_error *error)
 {
     struct control *c = context;
+    json_starved();
     for (int k = 0; k < PENDING_MAX; k++) {
         struct pending *p = &c->pending[k];
         if (p->ticket != ticket)
@@ -224,6 +227,7 @@ static void job_steered(void *context, uint64_t ticket, const struct job *job, c
                         const struct scree_error *error)
 {
     struct control *c = context;
+    json_starved();
     for (int k = 0; k < PENDING_MAX; k++) {
         struct pending *p = &c->pending[k];
         if (p->ticket != ticket)
@@ -250,6 +254,7 @@ static void study_changed(void *context, const struct study *study)
 static void study_recorded(void *context, const struct record_order *order)
 {
     struct control *c = context;
+    json_starved();
     for (int k = 0; k < PENDING_MAX; k++) {
         struct pending *p = &c->pending[k];
         if (p->ticket != order->ticket)
@@ -318,6 +323,7 @@ static void handle(struct control *c, const void *peer, size_t peer_size, zmq_ms
     struct scree_error error = {0};
     cJSON *json = NULL, *reply = NULL;
     struct pending *pending = NULL;
+    json_starved();
     if (envelope_read(zmq_msg_data(header), zmq_msg_size(header), &envelope, &error)) {
         bad_request(c, peer, peer_size, envelope.id, &error);
         return;

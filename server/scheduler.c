@@ -305,7 +305,7 @@ static void end_run(struct scheduler *s, struct job *job)
 /* The run was stopped and its checkpoint is written: it goes on later. */
 static void run_parked(struct scheduler *s, struct job *job)
 {
-    enum run_order order = atomic_load(&job->run->order);
+    int order = atomic_load(&job->run->order);
     end_run(s, job);
     if (order == RUN_STOP) // with the daemon: the journal keeps it running
         return;

@@ -95,9 +95,12 @@ static enum sent send_message(struct streams *s, const void *peer, size_t peer_s
 {
     char *text = header ? json_print(header, false) : NULL;
     enum sent sent = SENT_GONE;
+    bool whole = !json_starved();
     cJSON_Delete(header);
-    if (!text)
+    if (!text || !whole) {
+        free(text);
         return SENT_LATER;
+    }
     /* The first frame decides: once it is taken, the rest of the message is. */
     if (zmq_send(s->socket, peer, peer_size, ZMQ_SNDMORE | ZMQ_DONTWAIT) < 0) {
         sent = errno == EAGAIN ? SENT_LATER : SENT_GONE;
@@ -114,6 +117,7 @@ static enum sent send_message(struct streams *s, const void *peer, size_t peer_s
 
 static cJSON *header_for(const char *op, const char *key)
 {
+    json_starved();
     cJSON *json = cJSON_CreateObject();
     json_put_text(json, "op", op);
     json_put_text(json, "key", key);
