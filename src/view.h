@@ -30,6 +30,7 @@ struct view_body {
     double position[3], velocity[3], spin[3]; // of the centre of mass, m, m/s; in space, rad/s
     double momentum[3];                       // angular, about the centre of mass, N m s
     double orientation[4];                    // unit quaternion w, x, y, z: own principal axes into space
+    uint32_t part_first, parts;               // of view.part_start; 0 parts: it is its members
 };
 
 /* A contact at the first step with overlap, before it exerted any force. */
@@ -56,6 +57,10 @@ struct view {
     const double (*spin)[4];     // rad/s; [3] moment of inertia, kg m2; 0 for members of bodies
     size_t bodies;               // 0 where grains are free
     const struct view_body *body;
+    /* Corners of bodies' convex parts: part p is the hull of rows [part_start[p], part_start[p + 1]) of `corner`, in space,
+     * each with a ball of radius [3] around it, m. NULL where no body has parts. */
+    const uint32_t *part_start;
+    const double (*corner)[4];
     size_t contacts;
     const struct view_contact *contact;
     double base_force[3]; // of the flow on fixed grains and floor at this step, N

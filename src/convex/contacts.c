@@ -60,14 +60,27 @@ static enum scree_status look_at_pair(struct convex *c, struct pair *p, struct s
     return SCREE_OK;
 }
 
-static void look_at_wall(struct convex *c, struct pair *p)
+/* What is under the gate, or has come past it, is not touched by it. */
+static bool past_gate(const struct gate_now *gate, const struct pair *p, struct vec3 x, double height)
 {
+    return !gate->stands || x.z < gate->lift || (!p->touches && height < 0);
+}
+
+static void look_at_wall(struct convex *c, struct pair *p, const struct gate_now *gate)
+{
+    bool is_gate = c->setup.gate.present && p->b == c->setup.gate.wall;
     const struct body *a = &c->body[p->a];
     const struct convex_wall *wall = &c->walls[p->b];
     const struct composite_part *part = &a->shape->part[p->part_a];
     struct vec3 normal = vec3_load(wall->normal);
     struct vec3 x = vec3_add(a->position, turn_out(&a->turn, vec3_load(part->vertex[p->part_b])));
     double height = vec3_dot(vec3_sub(x, vec3_load(wall->point)), normal), overlap = part->radius - height;
+    if (is_gate && past_gate(gate, p, x, height)) {
+        if (p->touches)
+            part_company(p);
+        p->looked = 0;
+        return;
+    }
     if (overlap <= 0) {
         if (p->touches)
             part_company(p);
@@ -78,6 +91,7 @@ static void look_at_wall(struct convex *c, struct pair *p)
     p->point = vec3_sub(x, vec3_scale(normal, 0.5 * (height + part->radius)));
     struct spring_motion motion = {
         .overlap = overlap, .normal = vec3_scale(normal, -1), .velocity = velocity_at(a, p->point), .spin = a->omega};
+    motion.velocity.z -= is_gate ? gate->speed : 0;
     touch(c, p, &c->setup.at_wall, &motion);
 }
 
@@ -106,12 +120,15 @@ static void hand_out(struct convex *c, struct list *list, bool walls)
         size_t end = same_bodies(list, k, &touching);
         double share = c->setup.average && touching > 0 ? 1.0 / (double)touching : 1;
         for (; k < end; k++) {
-            const struct pair *p = &list->pair[k];
+            struct pair *p = &list->pair[k];
             if (!p->touches)
                 continue;
+            p->share = share;
             feel(&c->body[p->a], p, share);
             if (!walls)
                 feel(&c->body[p->b], p, -share);
+            else if (p->b == 0)
+                c->base = vec3_sub(c->base, vec3_scale(p->result.force, share));
         }
     }
 }
@@ -129,9 +146,11 @@ enum scree_status convex_forces(struct convex *c, struct scree_error *err)
         if (c->body[p->a].travel + c->body[p->b].travel >= p->looked && (status = look_at_pair(c, p, err)))
             return status;
     }
+    struct gate_now gate = convex_gate_now(c);
     for (size_t k = 0; k < c->wall.count; k++)
         if (c->body[c->wall.pair[k].a].travel >= c->wall.pair[k].looked)
-            look_at_wall(c, &c->wall.pair[k]);
+            look_at_wall(c, &c->wall.pair[k], &gate);
+    c->base = (struct vec3){0, 0, 0};
     hand_out(c, &c->near, false);
     hand_out(c, &c->wall, true);
     return SCREE_OK;

@@ -26,6 +26,7 @@ void convex_free(struct convex *c)
     free(c->near.pair);
     free(c->wall.pair);
     free(c->old.pair);
+    convex_frame_free(c->frame);
     free(c);
 }
 
@@ -45,10 +46,12 @@ static enum scree_status check(const struct convex_setup *s, struct scree_error 
         if (b->shape >= s->shape_count)
             return scree_fail(err, SCREE_INVALID, "bodies", "body %zu has shape %u of %zu", k, b->shape, s->shape_count);
     }
+    if (s->gate.present && s->gate.wall >= s->wall_count)
+        return scree_fail(err, SCREE_INVALID, "gate", "gate: there is no wall %u", s->gate.wall);
     return SCREE_OK;
 }
 
-static void look_around(struct body *b)
+void convex_look_around(struct body *b)
 {
     b->turn = quat_turn(b->spin.orientation);
     const struct vec3 m = b->spin.momentum, own = {m.x * b->inverse.x, m.y * b->inverse.y, m.z * b->inverse.z};
@@ -65,7 +68,7 @@ static void set_body(const struct convex_body *from, const struct composite *sha
     struct turn t = quat_turn(b->spin.orientation);
     struct vec3 own = turn_in(&t, vec3_load(from->spin));
     b->spin.momentum = (struct vec3){own.x * shape->inertia[0], own.y * shape->inertia[1], own.z * shape->inertia[2]};
-    look_around(b);
+    convex_look_around(b);
 }
 
 enum { SKIN_SHARE = 20 }; // of the smallest reach
@@ -123,7 +126,7 @@ static void drift(struct body *b, double step)
     spinning_second_half(&b->spin, b->inverse, 0.5 * step);
     b->spin.orientation = quat_tidy(b->spin.orientation);
     double turned = sqrt(vec3_dot(b->omega, b->omega));
-    look_around(b);
+    convex_look_around(b);
     turned = fmax(turned, sqrt(vec3_dot(b->omega, b->omega)));
     b->travel += step * (sqrt(vec3_dot(b->velocity, b->velocity)) + 2 * turned * b->shape->reach);
 }
@@ -131,10 +134,12 @@ static void drift(struct body *b, double step)
 static enum scree_status step(struct convex *c, struct scree_error *err)
 {
     bool moved = false;
+    struct vec3 gravity = vec3_load(c->setup.gravity);
     for (size_t k = 0; k < c->bodies; k++) {
         struct body *b = &c->body[k];
         kick(b, 0.5 * c->setup.step_s);
-        look_around(b);
+        convex_look_around(b);
+        c->gravity_work += b->shape->mass * c->setup.step_s * vec3_dot(gravity, b->velocity);
         drift(b, c->setup.step_s);
         if (!isfinite(b->travel))
             return scree_fail(err, SCREE_BLOWUP, NULL, "step %llu: body %zu's motion is no longer finite",
@@ -147,8 +152,10 @@ static enum scree_status step(struct convex *c, struct scree_error *err)
         return status;
     for (size_t k = 0; k < c->bodies; k++) {
         kick(&c->body[k], 0.5 * c->setup.step_s);
-        look_around(&c->body[k]);
+        convex_look_around(&c->body[k]);
     }
+    c->based = vec3_add(c->based, c->base);
+    c->base_steps++;
     return SCREE_OK;
 }
 
@@ -158,6 +165,45 @@ enum scree_status convex_advance(struct convex *c, uint64_t steps, struct scree_
     for (uint64_t k = 0; k < steps && !status; k++)
         status = step(c, err);
     return status;
+}
+
+/* ---- gate, gravity, base ---- */
+
+struct gate_now convex_gate_now(const struct convex *c)
+{
+    const struct convex_gate *gate = &c->setup.gate;
+    double since = (double)c->step * c->setup.step_s - gate->start_s;
+    if (!gate->present || since <= 0)
+        return (struct gate_now){.stands = gate->present};
+    if (gate->acceleration <= 0)
+        return (struct gate_now){.stands = false};
+    double full = gate->speed / gate->acceleration, gaining = fmin(since, full);
+    return (struct gate_now){.stands = true,
+                             .lift = 0.5 * gate->acceleration * gaining * gaining + gate->speed * (since - gaining),
+                             .speed = gate->acceleration * gaining};
+}
+
+double convex_time(const struct convex *c)
+{
+    return (double)c->step * c->setup.step_s;
+}
+
+size_t convex_bodies(const struct convex *c)
+{
+    return c->bodies;
+}
+
+/* Forces of the step that is over have it already: the change is felt from the next on. */
+void convex_set_gravity(struct convex *c, const double gravity[3])
+{
+    memcpy(c->setup.gravity, gravity, sizeof c->setup.gravity);
+}
+
+void convex_take_base_force(struct convex *c, double mean[3])
+{
+    vec3_store3(mean, c->base_steps > 0 ? vec3_scale(c->based, 1 / (double)c->base_steps) : c->base);
+    c->based = (struct vec3){0, 0, 0};
+    c->base_steps = 0;
 }
 
 /* ---- looking ---- */

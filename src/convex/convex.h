@@ -12,6 +12,7 @@
 
 #include "convex/law_spring_memory.h"
 #include "geom/composite.h"
+#include "view.h"
 
 struct convex;
 
@@ -26,6 +27,15 @@ struct convex_wall {
     double point[3], normal[3]; // normal of unit length
 };
 
+/* One of the walls, which slides up in its own plane, or is gone at once, and rubs while it goes. */
+struct convex_gate {
+    bool present;
+    uint32_t wall;
+    double start_s;
+    double acceleration; // m/s2; 0: it vanishes
+    double speed;        // at most, m/s
+};
+
 struct convex_setup {
     double step_s;
     double gravity[3]; // m/s2
@@ -34,7 +44,8 @@ struct convex_setup {
     const struct convex_body *bodies;
     size_t body_count;
     const struct convex_wall *walls;
-    size_t wall_count;
+    size_t wall_count; // the first is the floor, on which the base's force is taken
+    struct convex_gate gate;
     struct spring_pair between, at_wall;
     /* The force between two bodies, or a body and a wall, is the mean over the points in which they touch, as in the
      * published code; false: the sum. */
@@ -48,6 +59,17 @@ void convex_free(struct convex *convex);
 /* Does exactly `steps` time steps, or fails with SCREE_BLOWUP when a body's motion is no longer finite, when two cores
  * overlap (a contact deeper than its crusts) or when a distance was not found. */
 enum scree_status convex_advance(struct convex *convex, uint64_t steps, struct scree_error *err);
+
+double convex_time(const struct convex *convex); // s
+size_t convex_bodies(const struct convex *convex);
+void convex_set_gravity(struct convex *convex, const double gravity[3]);
+
+/* Mean force of the bodies on the floor over the steps since the last call, N. */
+void convex_take_base_force(struct convex *convex, double mean[3]);
+
+/* Fills *out, which is valid until the world is advanced: a row a body, whose radius is that of a sphere of its volume;
+ * bodies are their own only member. */
+enum scree_status convex_view(struct convex *convex, struct view *out, struct scree_error *err);
 
 /* The state of a body. */
 void convex_look(const struct convex *convex, size_t body, struct convex_body *out);

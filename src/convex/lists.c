@@ -9,7 +9,7 @@
 #include "base/memory.h"
 #include "convex/state.h"
 
-static int compare(const void *x, const void *y)
+int convex_compare(const void *x, const void *y)
 {
     const struct pair *a = x, *b = y;
     if (a->a != b->a)
@@ -33,11 +33,11 @@ static enum scree_status add(struct list *list, uint32_t a, uint32_t b, size_t p
 static void carry_over(struct list *list, const struct list *old)
 {
     if (list->count > 0)
-        qsort(list->pair, list->count, sizeof *list->pair, compare);
+        qsort(list->pair, list->count, sizeof *list->pair, convex_compare);
     for (size_t k = 0, o = 0; k < list->count; k++) {
-        while (o < old->count && compare(&old->pair[o], &list->pair[k]) < 0)
+        while (o < old->count && convex_compare(&old->pair[o], &list->pair[k]) < 0)
             o++;
-        if (o < old->count && compare(&old->pair[o], &list->pair[k]) == 0)
+        if (o < old->count && convex_compare(&old->pair[o], &list->pair[k]) == 0)
             list->pair[k] = old->pair[o];
     }
 }
@@ -86,11 +86,14 @@ static enum scree_status find_near(struct convex *c, double reach_max, struct sc
 static enum scree_status find_walls(struct convex *c, struct scree_error *err)
 {
     enum scree_status status = SCREE_OK;
+    bool gate = convex_gate_now(c).stands;
     for (uint32_t a = 0; a < c->bodies; a++)
         for (uint32_t w = 0; w < c->setup.wall_count; w++) {
             const struct body *body = &c->body[a];
             struct vec3 from = vec3_sub(body->position, vec3_load(c->walls[w].point));
-            if (vec3_dot(from, vec3_load(c->walls[w].normal)) > body->shape->reach + c->skin)
+            double far = vec3_dot(from, vec3_load(c->walls[w].normal)), reach = body->shape->reach + c->skin;
+            bool is_gate = c->setup.gate.present && w == c->setup.gate.wall; // which has another side, and goes
+            if (far > reach || (is_gate && (!gate || far < -reach)))
                 continue;
             for (size_t p = 0; p < body->shape->parts && !status; p++)
                 for (size_t v = 0; v < body->shape->part[p].vertices && !status; v++)

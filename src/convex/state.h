@@ -28,6 +28,7 @@ struct pair {
     struct vec3 point; // of contact, m
     struct spring_result result;
     double elastic; // J
+    double share;   // of the result that the bodies feel
 };
 
 struct list {
@@ -47,7 +48,26 @@ struct convex {
     double *travel_then;         // by body
     uint64_t step;
     struct convex_counts counts;
+    double gravity_work;     // since the start, J
+    struct vec3 base, based; // force on the floor, N: now, summed over `base_steps`
+    uint64_t base_steps;
+    struct frame *frame; // what a view shows; NULL until one is asked for
 };
+
+void convex_frame_free(struct frame *frame);
+
+/* Whether the gate stands, how far it has risen, m, and how fast it does, m/s. */
+struct gate_now {
+    bool stands;
+    double lift, speed;
+};
+struct gate_now convex_gate_now(const struct convex *convex);
+
+/* Turn and spin of a body from its orientation and angular momentum. */
+void convex_look_around(struct body *body);
+
+/* Order of pairs in a list: negative, zero, positive. */
+int convex_compare(const void *x, const void *y);
 
 /* Makes the lists anew; contacts keep their memory. */
 enum scree_status convex_rebuild(struct convex *convex, struct scree_error *err);

@@ -130,7 +130,7 @@ static enum scree_status sample(void *state, struct measure_context *context, co
         return status;
     double values[WINDOW_VALUES] = {b->centre_z, b->velocity[0], b->speed_rms, b->contacts, b->kinetic};
     window_add(&s->window, b->time_s, 1, values);
-    if (context->site.area > 0) {
+    if (context->site.area > 0 && b->time_s >= context->site.gate_s) { // behind a gate rest is no verdict
         struct verdict *verdict = &context->verdict;
         verdict_add(verdict, b->time_s, b->kinetic, b->elastic, b->speed_rms, b->centre_z);
         if (verdict->current != VERDICT_UNDECIDED && (context->job->stop.when >> (verdict->current - 1) & 1))

@@ -14,11 +14,12 @@
 #define THIN_LAYERS  6.0
 #define THIN_EXTRA   2.0 // s
 
-void verdict_start(struct verdict *v, double diameter, double gravity, double layers)
+void verdict_start(struct verdict *v, double diameter, double gravity, double layers, double calm)
 {
     *v = (struct verdict){.diameter = diameter,
                           .gravity = gravity,
                           .layers = layers,
+                          .calm = calm,
                           .window_end = WINDOW,
                           .calm_since = -1,
                           .steady_since = -1,
@@ -28,7 +29,7 @@ void verdict_start(struct verdict *v, double diameter, double gravity, double la
 
 void verdict_restart(struct verdict *v, double now_s, double gravity)
 {
-    verdict_start(v, v->diameter, gravity, v->layers);
+    verdict_start(v, v->diameter, gravity, v->layers, v->calm);
     v->window_end = now_s + WINDOW;
     snprintf(v->evidence, sizeof v->evidence, "no window of %g s has ended since the change at %.6g s", WINDOW, now_s);
 }
@@ -79,7 +80,7 @@ static void judge_windows(struct verdict *v, double now)
 static bool judge_rest(struct verdict *v, double now, double kinetic, double elastic, double speed_rms)
 {
     double ratio = elastic > 0 ? kinetic / elastic : INFINITY;
-    double slow = CALM_RATIO * sqrt(v->gravity * v->diameter);
+    double slow = v->calm * sqrt(v->gravity * v->diameter);
     bool calm = now > 10 * sqrt(v->diameter / v->gravity) && (ratio < CALM_RATIO || speed_rms < slow);
     if (!calm)
         v->calm_since = -1;

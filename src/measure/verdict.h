@@ -14,11 +14,13 @@
 
 #include "scree.h"
 
+#define VERDICT_CALM 1e-5
 enum { VERDICT_WINDOWS = 4, VERDICT_EVIDENCE_MAX = 240 };
 
 struct verdict {
     /* What the flow is like; set at the start. */
     double diameter, gravity, layers; // m, m/s2, grains
+    double calm;                      // rms speed over sqrt(g d) that is rest: 1e-5; more where contacts keep wandering
     /* State. */
     double window_end, kinetic_sum, height_sum;
     uint64_t samples;
@@ -30,7 +32,7 @@ struct verdict {
     char evidence[VERDICT_EVIDENCE_MAX];
 };
 
-void verdict_start(struct verdict *verdict, double diameter, double gravity, double layers);
+void verdict_start(struct verdict *verdict, double diameter, double gravity, double layers, double calm);
 
 /* Forgets what was seen before now_s: forces have changed. */
 void verdict_restart(struct verdict *verdict, double now_s, double gravity);

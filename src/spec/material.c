@@ -156,9 +156,18 @@ const struct material_preset material_presets[] = {
      .note = "At full stiffness steps are some 1e-7 s. softening = 1000 makes them 32 times longer; say what overlap was reached.",
      .kind = &material_fragments,
      .others = &fragment_igneous},
+    {.name = "plastic-crosses",
+     .doc = "crosses of 27 mm as in dam breaks of entangled bodies",
+     .source = "seed 001 Table I",
+     .note = "k_n is that of a body on a wall (m_ij = m); k_t and gamma_t are calibrated and far from eqs 18 and 19. Normal forces "
+             "are not "
+             "clamped and those of two bodies are averaged over their points of contact, as in the published code.",
+     .kind = &material_rigid,
+     .others = &rigid_crosses},
 };
 const struct material_kind material_beads = {"hertz-mindlin-rolling", &material_table};
 const struct material_kind material_fragments = {"hertz-mindlin-tsuji", &fragment_table};
+const struct material_kind material_rigid = {"spring-dashpot-memory", &rigid_table};
 
 const struct material_kind *material_preset_kind(const struct material_preset *preset)
 {

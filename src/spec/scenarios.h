@@ -6,7 +6,7 @@
 #include "spec/spec.h"
 
 extern const struct scenario_fields scenario_incline_fields, scenario_collision_fields, scenario_chute_fields,
-    scenario_collapse_fields, scenario_tilt_fields, scenario_gas_fields;
+    scenario_collapse_fields, scenario_tilt_fields, scenario_gas_fields, scenario_settle_fields, scenario_dam_break_fields;
 
 /* Refuses a time step too long for the material at impacts of `speed`, m/s. */
 enum scree_status check_step(const struct job_spec *job, double speed, struct scree_error *err);
@@ -17,6 +17,13 @@ enum scree_status continuum_check(const struct job_spec *job, const struct conti
 
 /* Bytes of a world of that many points and cells. */
 double continuum_bytes(double points, double cells);
+
+/* What scenarios of rigid bodies share: defaults, cost, and checks of a body that is poured into `length` (the field at
+ * `path`) times `width`, m. */
+void rigid_defaults(struct job_spec *job);
+struct job_cost rigid_cost(const struct job_spec *job, double bodies);
+enum scree_status rigid_check(const struct job_spec *job, const struct body_spec *body, double length, double width,
+                              const char *path, struct scree_error *err);
 
 /* Refuses record.flow. */
 enum scree_status check_flow_only_in_chute(const struct job_spec *job, struct scree_error *err);

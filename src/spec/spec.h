@@ -34,7 +34,7 @@ struct material_kind {
     const char *law; // its name
     const struct field_table *table;
 };
-extern const struct material_kind material_beads, material_fragments;
+extern const struct material_kind material_beads, material_fragments, material_rigid;
 
 /* A published material: its values and what a reader must know about them. */
 struct material_preset {
@@ -91,6 +91,38 @@ double fragment_young_modulus(const struct fragment_matter *m); // E = 2 G (1 + 
  * (targets S3-15): pi R sqrt(rho / G) / (0.1631 nu + 0.8766), s. Time steps are
  * a share of it. */
 double fragment_rayleigh_time(const struct fragment_spec *m, double radius_m);
+
+/* ---- material: rigid convex bodies and composites of seed 001 (law "spring-dashpot-memory") ---- */
+
+struct rigid_spec {
+    char preset[48];
+    double density_kg_m3;
+    double stiffness;         // k_n, N/m
+    double restitution;       // e_n of a head-on impact without eq. 5's clamp
+    double stiffness_t;       // k_t, N/m
+    double rate_t;            // gamma_t = eta_t / 2 m_ij, 1/s
+    double friction, at_wall; // mu_c between bodies, and between a body and a wall
+    double rolling;           // mu_r of A5-A9
+    double crust_m;           // thickness of the shell in which bodies touch
+    bool average;             // forces between two bodies: mean over their points of contact; false: sum
+    bool clamp;               // normal forces never pull (eq. 5, which the published code has not)
+};
+extern const struct field_table rigid_table;
+extern const struct rigid_spec rigid_crosses; // Table I
+
+/* Duration of a head-on contact of reduced mass m_ij, kg (eq. 12), s. */
+double rigid_contact_time(const struct rigid_spec *m, double reduced_mass);
+
+enum body_shape { BODY_CROSS, BODY_BOX, BODY_TETRAPOD, BODY_SPHERE };
+struct body_spec {
+    int shape;
+    double length_m, width_m, thickness_m; // of a cross' arms, a box
+    double radius_m;                       // of a sphere, or a tetrapod's legs, which are length_m long
+};
+extern const struct field_table body_table;
+
+double body_reach(const struct body_spec *body);  // from the centre to the farthest point, m
+double body_volume(const struct body_spec *body); // for what a job costs: a tetrapod's is its legs', counted singly, m3
 
 /* ---- time, stop, record ---- */
 
@@ -160,6 +192,7 @@ struct job_spec {
     union {                                             // by the scenario's kind of material
         struct material_spec material;                  // beads
         struct fragment_spec fragments;                 // fragments
+        struct rigid_spec rigid;                        // rigid bodies
     };
     struct time_spec time;
     struct stop_spec stop;
@@ -280,6 +313,24 @@ struct chute_params { // seed 003: angular fragments down a curved chute
     double gate_m_s;            // speed at which the gate slides off; 0: it vanishes at the start
     double gravity_m_s2;
     double floor_m, width_m, side_deg, guard_m, run_m, gate_m, flatness; // geometry; flatness in sizes
+};
+
+struct settle_params { // seed 001: bodies poured into a box come to rest
+    double gravity_m_s2;
+    int64_t count;
+    double length_m, width_m; // of the box, which is open above
+    struct body_spec body;
+};
+
+struct dam_break_params { // seed 001, III: a column of bodies behind a gate that goes
+    double gravity_m_s2;
+    int64_t count;
+    double length_m, width_m; // of the box
+    double column_m;          // length of the column: where the gate stands
+    double settle_s;          // when the gate goes
+    double gate_m_s2;         // its acceleration upwards; 0: it vanishes
+    double gate_m_s;          // speed that it does not exceed
+    struct body_spec body;
 };
 
 /* Fills a job with the defaults of a scenario and its preset material. */

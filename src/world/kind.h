@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a world's body can be: grains (kind_dem.c), a continuum. The world drives
+/* What a world's body can be: grains (kind_dem.c), a continuum, rigid bodies. The world drives
  * it through this table alone, so that neither engine knows of the other and
  * world.c of none. One kind = one file = one line in kinds.c. */
 #ifndef SCREE_WORLD_KIND_H
@@ -52,7 +52,7 @@ struct world_kind {
                               struct scree_error *err);
 };
 
-extern const struct world_kind world_kind_dem, world_kind_mpm;
+extern const struct world_kind world_kind_dem, world_kind_mpm, world_kind_convex;
 
 /* Whose scenario the job's is, or NULL. */
 const struct world_kind *world_kind_find(const struct job_spec *job);

@@ -143,7 +143,7 @@ enum scree_status scree_world_create(const struct job_spec *job, const struct sc
     const double *gravity = w->context.gravity, d = site->diameter;
     double g = sqrt(gravity[0] * gravity[0] + gravity[1] * gravity[1] + gravity[2] * gravity[2]);
     double layers = site->area > 0 ? (double)w->context.moving * d * d / site->area : 0;
-    verdict_start(&w->context.verdict, d, g > 0 ? g : 1, layers);
+    verdict_start(&w->context.verdict, d, g > 0 ? g : 1, layers, site->calm > 0 ? site->calm : VERDICT_CALM);
     if ((status = look_first(w, err)))
         scree_world_free(w);
     else

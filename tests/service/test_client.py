@@ -22,6 +22,7 @@ import unittest
 from raw import BIN, PATIENCE_S, Daemon
 
 SCREE = os.path.join(BIN, "scree")
+WRAPPED = bool(os.environ.get("SCREE_WRAPPED"))  # by tests/service/under_valgrind
 HDF5 = b"\x89HDF\r\n\x1a\n"
 COLLISION = {"scenario": "collision"}
 # Runs for a second or so; LONG for longer than any test looks at it.
@@ -238,6 +239,7 @@ class NoDaemon(Client):
             self.refused(self.scree("--connect", "ipc://" + self.path("mute"), "list"), "not answered", code=69)
             self.assertLess(time.monotonic() - start, 30)
 
+    @unittest.skipIf(WRAPPED, "copies the program")
     def test_daemon_of_somebody_else(self):
         runtime = self.path("run")
         self.start()
@@ -391,6 +393,7 @@ class PrivateRun(Client):
         self.assertIn("private daemon is gone", err)
         self.nothing_left()
 
+    @unittest.skipIf(WRAPPED, "copies the program")
     def test_no_screed_beside_it(self):
         program = shutil.copy(SCREE, self.path("scree"))
         ended = subprocess.run([program, "run", self.spec(COLLISION), "-o", "out"], capture_output=True, text=True, cwd=self.work,

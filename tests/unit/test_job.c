@@ -46,7 +46,9 @@ static void refusals_name_path_value_range_and_unit(void **state)
         {"{\"scenario\":\"incline\",\"params\":{\"nx\":1}}", "params.nx", "params.nx: 1 is outside 2..4000 grain diameters",
          SCREE_INVALID},
         {"{\"scenario\":\"inclin\"}", "scenario",
-         "scenario: \"inclin\" is none of \"incline\", \"collision\", \"chute\", \"collapse\", \"tilt\", \"gas\"", SCREE_INVALID},
+         "scenario: \"inclin\" is none of \"incline\", \"collision\", \"chute\", \"collapse\", \"tilt\", \"gas\", \"settle\", "
+         "\"dam_break\"",
+         SCREE_INVALID},
         {"{}", "scenario", "scenario: is missing; it names the set-up, as `scree scenarios` lists them", SCREE_INVALID},
         {"[1]", "", "the job: expected an object, got an array", SCREE_INVALID},
         {"{\"scenario\":\"incline\",\"material\":{\"preset\":\"steel\"}}", "material.preset",

@@ -15,7 +15,7 @@
 /* Feeds samples every millisecond until a verdict that is not undecided, or `end`; returns its time. */
 static double decide(struct verdict *v, double layers, double end, double (*kinetic)(double), double elastic)
 {
-    verdict_start(v, 2e-3, 9.81, layers);
+    verdict_start(v, 2e-3, 9.81, layers, VERDICT_CALM);
     for (int k = 1; k <= (int)round(end * 1000); k++) {
         double t = k * 1e-3, e = kinetic(t);
         verdict_add(v, t, e, elastic, sqrt(2 * e / 0.01), 0.01);
@@ -81,7 +81,7 @@ static void an_approach_is_accelerating_first_and_steady_once_level(void **state
 {
     (void)state;
     struct verdict v;
-    verdict_start(&v, 2e-3, 9.81, 10);
+    verdict_start(&v, 2e-3, 9.81, 10, VERDICT_CALM);
     int at_four = VERDICT_UNDECIDED, k = 1;
     for (; k <= 60000 && v.current != VERDICT_STEADY; k++) {
         double e = approaching(k * 1e-3);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A collapse as the service runs it: the same chunks and numbers however it is sliced, threaded, forked or restarted. */
+/* Worlds as the service runs them: the same chunks and numbers however they are sliced, threaded, forked or restarted. */
 #include "unit.h"
 
 #include <stdio.h>
@@ -28,7 +28,14 @@ static enum scree_status put(void *context, const struct scree_chunk *chunk, str
     return SCREE_OK;
 }
 
-static void small_job(struct job_spec *job)
+typedef void set_up(struct job_spec *job);
+
+struct job_of {
+    set_up *of;
+    uint64_t middle; // a step at which much goes on
+};
+
+static void collapse(struct job_spec *job)
 {
     job_defaults(job, &scenario_collapse_fields);
     struct collapse_params *p = (struct collapse_params *)(void *)job->params;
@@ -46,13 +53,32 @@ static void small_job(struct job_spec *job)
     assert_int_equal(job_check(job, 0, NULL), SCREE_OK);
 }
 
-static struct scree_world *start(const struct scree_sink *sink, int threads)
+/* Crosses in the air, then in contact with each other and the walls, and a gate that rubs while it goes. */
+static void dam_break(struct job_spec *job)
+{
+    job_defaults(job, &scenario_dam_break_fields);
+    struct dam_break_params *p = (struct dam_break_params *)(void *)job->params;
+    p->count = 8;
+    p->length_m = 0.12;
+    p->width_m = p->column_m = 0.04;
+    p->settle_s = 0.12;
+    p->gate_m_s2 = 43;
+    job->time.step_s = 4e-6;
+    job->time.end_s = 0.16;
+    job->record.snapshots.on = true;
+    job->record.snapshots.every_s = 0.02;
+    job->record.forces.on = true;
+    job->record.forces.every_s = 0.01;
+    assert_int_equal(job_check(job, 0, NULL), SCREE_OK);
+}
+
+static struct scree_world *start(set_up *of, const struct scree_sink *sink, int threads)
 {
     struct job_spec job;
     struct scree_world *world;
     struct scree_error err;
     struct scree_options options = {.threads = threads};
-    small_job(&job);
+    of(&job);
     if (scree_world_create(&job, &options, sink, &world, &err) != SCREE_OK)
         fail_msg("%s", err.message);
     return world;
@@ -72,33 +98,33 @@ static uint64_t end(struct scree_world *world)
     return hash;
 }
 
-static uint64_t whole(struct heard *heard, int threads, uint64_t slice)
+static uint64_t whole(set_up *of, struct heard *heard, int threads, uint64_t slice)
 {
     const struct scree_sink sink = {put, heard};
-    struct scree_world *world = start(&sink, threads);
+    struct scree_world *world = start(of, &sink, threads);
     go(world, slice);
     return end(world);
 }
 
 static void slices_and_threads_do_not_show(void **state)
 {
-    (void)state;
+    set_up *of = ((struct job_of *)*state)->of;
     struct heard one = {0}, two = {0};
-    uint64_t hash = whole(&one, 1, 100000);
+    uint64_t hash = whole(of, &one, 1, 100000);
     assert_true(one.chunks > 4);
-    assert_int_equal(whole(&two, 2, 7), hash);
+    assert_int_equal(whole(of, &two, 2, 7), hash);
     assert_int_equal(one.hash, two.hash);
     assert_int_equal(one.chunks, two.chunks);
 }
 
 static void a_fork_goes_on_alike(void **state)
 {
-    (void)state;
+    set_up *of = ((struct job_of *)*state)->of;
     struct heard first = {0}, second = {0}, reference = {0};
     const struct scree_sink a = {put, &first}, b = {put, &second};
-    uint64_t hash = whole(&reference, 1, 100000);
-    struct scree_world *world = start(&a, 1), *fork;
-    assert_int_equal(scree_world_advance(world, 53, NULL), SCREE_OK);
+    uint64_t hash = whole(of, &reference, 1, 100000);
+    struct scree_world *world = start(of, &a, 1), *fork;
+    assert_int_equal(scree_world_advance(world, ((struct job_of *)*state)->middle, NULL), SCREE_OK);
     second = first;
     assert_int_equal(scree_world_fork(world, NULL, &b, &fork, NULL), SCREE_OK);
     go(world, 100000);
@@ -117,17 +143,17 @@ static void a_fork_goes_on_alike(void **state)
 
 static void a_restart_does_not_show(void **state)
 {
-    (void)state;
+    set_up *of = ((struct job_of *)*state)->of;
     struct heard heard = {0}, reference = {0};
     const struct scree_sink sink = {put, &heard};
-    uint64_t hash = whole(&reference, 1, 100000);
+    uint64_t hash = whole(of, &reference, 1, 100000);
     char path[64];
     struct scree_error err;
     struct job_spec job;
-    snprintf(path, sizeof path, "continuum-%d.h5", (int)getpid());
-    small_job(&job);
-    struct scree_world *world = start(&sink, 1);
-    assert_int_equal(scree_world_advance(world, 61, NULL), SCREE_OK);
+    snprintf(path, sizeof path, "world-%d.h5", (int)getpid());
+    of(&job);
+    struct scree_world *world = start(of, &sink, 1);
+    assert_int_equal(scree_world_advance(world, ((struct job_of *)*state)->middle + 8, NULL), SCREE_OK);
     assert_int_equal(scree_checkpoint_write(world, path, &err), SCREE_OK);
     scree_world_free(world);
     if (scree_checkpoint_read(path, &job, &(struct scree_options){.threads = 3}, &sink, &world, &err) != SCREE_OK)
@@ -140,10 +166,14 @@ static void a_restart_does_not_show(void **state)
 
 int main(void)
 {
+    static struct job_of a_collapse = {collapse, 53}, a_dam_break = {dam_break, 33000};
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(slices_and_threads_do_not_show),
-        cmocka_unit_test(a_fork_goes_on_alike),
-        cmocka_unit_test(a_restart_does_not_show),
+        cmocka_unit_test_prestate(slices_and_threads_do_not_show, &a_collapse),
+        cmocka_unit_test_prestate(a_fork_goes_on_alike, &a_collapse),
+        cmocka_unit_test_prestate(a_restart_does_not_show, &a_collapse),
+        cmocka_unit_test_prestate(slices_and_threads_do_not_show, &a_dam_break),
+        cmocka_unit_test_prestate(a_fork_goes_on_alike, &a_dam_break),
+        cmocka_unit_test_prestate(a_restart_does_not_show, &a_dam_break),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,168 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A world of convex bodies as measurements see it (view.h). */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "convex/state.h"
+
+/* Arrays of a view: a row a body. */
+struct frame {
+    uint32_t *id;
+    double (*position)[4], (*velocity)[4], (*spin)[4];
+    struct view_body *body;
+    struct view_contact *contact;
+    size_t room; // of contacts
+    uint32_t *part_start;
+    double (*corner)[4];
+};
+
+void convex_frame_free(struct frame *f)
+{
+    if (!f)
+        return;
+    free(f->id);
+    free(f->position);
+    free(f->velocity);
+    free(f->spin);
+    free(f->body);
+    free(f->contact);
+    free(f->part_start);
+    free(f->corner);
+    free(f);
+}
+
+static struct frame *make_frame(const struct convex *c)
+{
+    struct frame *f = calloc(1, sizeof *f);
+    size_t bodies = c->bodies, parts = 0, corners = 0;
+    if (!f)
+        return NULL;
+    for (size_t k = 0; k < bodies; k++) {
+        parts += c->body[k].shape->parts;
+        for (size_t p = 0; p < c->body[k].shape->parts; p++)
+            corners += c->body[k].shape->part[p].vertices;
+    }
+    f->part_start = memory_rows(parts + 1, sizeof *f->part_start);
+    f->corner = memory_rows(corners, sizeof *f->corner);
+    f->id = memory_rows(bodies, sizeof *f->id);
+    f->position = memory_rows(bodies, sizeof *f->position);
+    f->velocity = memory_rows(bodies, sizeof *f->velocity);
+    f->spin = memory_rows(bodies, sizeof *f->spin);
+    f->body = memory_rows(bodies, sizeof *f->body);
+    if (f->part_start && f->corner && f->id && f->position && f->velocity && f->spin && f->body)
+        return f;
+    convex_frame_free(f);
+    return NULL;
+}
+
+/* Corners of a body from row `at` on; returns the next free row. */
+static uint32_t show_parts(const struct body *b, uint32_t first, uint32_t at, struct frame *f)
+{
+    for (size_t p = 0; p < b->shape->parts; p++) {
+        const struct composite_part *part = &b->shape->part[p];
+        f->part_start[first + p] = at;
+        for (size_t v = 0; v < part->vertices; v++, at++) {
+            vec3_store(f->corner[at], vec3_add(b->position, turn_out(&b->turn, vec3_load(part->vertex[v]))));
+            f->corner[at][3] = part->radius;
+        }
+    }
+    f->part_start[first + b->shape->parts] = at;
+    return at;
+}
+
+static void show_bodies(const struct convex *c, struct frame *f)
+{
+    uint32_t part = 0, corner = 0;
+    for (size_t k = 0; k < c->bodies; k++) {
+        const struct body *b = &c->body[k];
+        struct view_body *v = &f->body[k];
+        f->id[k] = (uint32_t)k;
+        vec3_store(f->position[k], b->position);
+        f->position[k][3] = cbrt(3 * b->shape->volume / (4 * M_PI));
+        vec3_store(f->velocity[k], b->velocity);
+        f->velocity[k][3] = b->shape->mass;
+        vec3_store(f->spin[k], b->omega);
+        *v = (struct view_body){.id = (uint32_t)k,
+                                .shape = (uint32_t)(b->shape - c->shapes),
+                                .first = (uint32_t)k,
+                                .members = 1,
+                                .mass = b->shape->mass,
+                                .volume = b->shape->volume,
+                                .part_first = part,
+                                .parts = (uint32_t)b->shape->parts};
+        corner = show_parts(b, part, corner, f);
+        part += v->parts;
+        vec3_store3(v->position, b->position);
+        vec3_store3(v->velocity, b->velocity);
+        vec3_store3(v->spin, b->omega);
+        vec3_store3(v->momentum, turn_out(&b->turn, b->spin.momentum));
+        quat_store(v->orientation, b->spin.orientation);
+    }
+}
+
+static struct vec3 surface_velocity(const struct body *b, struct vec3 point)
+{
+    return vec3_add(b->velocity, vec3_cross(b->omega, vec3_sub(point, b->position)));
+}
+
+/* What the law gave to a is what b gives it: signs turn round for the force of a on b. */
+static void show_contact(const struct convex *c, const struct pair *p, const struct spring_pair *law, bool wall,
+                         struct view_contact *v)
+{
+    const struct body *a = &c->body[p->a], *b = wall ? NULL : &c->body[p->b];
+    struct vec3 force = vec3_scale(p->result.force, p->share), torque = vec3_scale(p->result.torque, p->share);
+    struct vec3 closing = surface_velocity(a, p->point);
+    *v = (struct view_contact){.a = p->a,
+                               .b = wall ? VIEW_WALL + p->b : p->b,
+                               .on_base = wall && p->b == 0,
+                               .overlap = sqrt(2 * p->elastic / law->stiffness),
+                               .force_normal = p->result.normal * p->share,
+                               .elastic = p->elastic * p->share};
+    if (b)
+        closing = vec3_sub(closing, surface_velocity(b, p->point));
+    vec3_store3(v->normal, p->memory.normal);
+    v->approach = vec3_dot(closing, p->memory.normal);
+    vec3_store3(v->force, vec3_scale(force, -1));
+    vec3_store3(v->torque_a, vec3_add(torque, vec3_cross(vec3_sub(p->point, a->position), force)));
+    if (b)
+        vec3_store3(v->torque_b, vec3_scale(vec3_add(torque, vec3_cross(vec3_sub(p->point, b->position), force)), -1));
+}
+
+enum scree_status convex_view(struct convex *c, struct view *out, struct scree_error *err)
+{
+    size_t contacts = 0;
+    if (!c->frame && !(c->frame = make_frame(c)))
+        return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory to look at %zu bodies", c->bodies);
+    struct frame *f = c->frame;
+    enum scree_status status =
+        memory_grow((void **)&f->contact, &f->room, c->near.count + c->wall.count + 1, sizeof *f->contact, err);
+    if (status)
+        return status;
+    show_bodies(c, f);
+    for (size_t k = 0; k < c->near.count; k++)
+        if (c->near.pair[k].touches)
+            show_contact(c, &c->near.pair[k], &c->setup.between, false, &f->contact[contacts++]);
+    for (size_t k = 0; k < c->wall.count; k++)
+        if (c->wall.pair[k].touches)
+            show_contact(c, &c->wall.pair[k], &c->setup.at_wall, true, &f->contact[contacts++]);
+    *out = (struct view){.time_s = convex_time(c),
+                         .step_s = c->setup.step_s,
+                         .step = c->step,
+                         .moving = c->bodies,
+                         .id = f->id,
+                         .position = (const double(*)[4])f->position,
+                         .velocity = (const double(*)[4])f->velocity,
+                         .spin = (const double(*)[4])f->spin,
+                         .bodies = c->bodies,
+                         .body = f->body,
+                         .part_start = f->part_start,
+                         .corner = (const double(*)[4])f->corner,
+                         .contacts = contacts,
+                         .contact = f->contact,
+                         .gravity_work = c->gravity_work};
+    memcpy(out->gravity, c->setup.gravity, sizeof out->gravity);
+    vec3_store3(out->base_force, c->base);
+    return SCREE_OK;
+}

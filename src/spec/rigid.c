@@ -1,0 +1,272 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Rigid convex bodies and composites of them: their matter and their shapes (seed 001). */
+#include <math.h>
+#include <stdio.h>
+
+#include "base/text.h"
+#include "spec/scenarios.h"
+
+#define AT(member)   .offset = offsetof(struct rigid_spec, member)
+#define OF(member)   .offset = offsetof(struct body_spec, member)
+#define COUNT(array) (sizeof(array) / sizeof *(array))
+
+static const struct field fields[] = {
+    {.name = "density_kg_m3",
+     .type = FIELD_REAL,
+     AT(density_kg_m3),
+     .min = 1,
+     .max = 1e5,
+     .preset = 770,
+     .unit = "kg/m3",
+     .doc = "density of the bodies",
+     .source = "seed 001 Table I"},
+    {.name = "stiffness_N_m",
+     .type = FIELD_REAL,
+     AT(stiffness),
+     .min = 1e-3,
+     .max = 1e12,
+     .preset = 4.5e5,
+     .unit = "N/m",
+     .doc = "normal stiffness k_n",
+     .source = "seed 001 Table I"},
+    {.name = "restitution",
+     .type = FIELD_REAL,
+     AT(restitution),
+     .min = 0.01,
+     .max = 1,
+     .preset = 0.85,
+     .unit = "",
+     .doc = "coefficient of restitution e_n of a head-on impact, without the clamp",
+     .source = "seed 001 Table I, eq. 11"},
+    {.name = "stiffness_t_N_m",
+     .type = FIELD_REAL,
+     AT(stiffness_t),
+     .min = 0,
+     .max = 1e12,
+     .preset = 300,
+     .unit = "N/m",
+     .doc = "tangential stiffness k_t; 0: friction has no memory",
+     .source = "seed 001 Table I"},
+    {.name = "gamma_t_1_s",
+     .type = FIELD_REAL,
+     AT(rate_t),
+     .min = 0,
+     .max = 1e9,
+     .preset = 1e3,
+     .unit = "1/s",
+     .doc = "tangential damping gamma_t = eta_t / 2 m_ij",
+     .source = "seed 001 Table I"},
+    {.name = "friction",
+     .type = FIELD_REAL,
+     AT(friction),
+     .min = 0,
+     .max = 10,
+     .preset = 0.46,
+     .unit = "",
+     .doc = "coefficient of friction mu_c between bodies",
+     .source = "seed 001 Table I"},
+    {.name = "friction_wall",
+     .type = FIELD_REAL,
+     AT(at_wall),
+     .min = 0,
+     .max = 10,
+     .preset = 0.62,
+     .unit = "",
+     .doc = "coefficient of friction mu_c between bodies and walls",
+     .source = "seed 001 Table I"},
+    {.name = "rolling_friction",
+     .type = FIELD_REAL,
+     AT(rolling),
+     .min = 0,
+     .max = 10,
+     .preset = 0,
+     .unit = "",
+     .doc = "coefficient of rolling friction mu_r",
+     .source = "seed 001 eqs A1-A9"},
+    {.name = "crust_m",
+     .type = FIELD_REAL,
+     AT(crust_m),
+     .min = 1e-9,
+     .max = 1,
+     .preset = 1e-4,
+     .unit = "m",
+     .doc = "shell in which bodies touch: their edges are rounded by it, no overlap may be twice as deep",
+     .source = "protocols 2.1"},
+    {.name = "average",
+     .type = FIELD_BOOL,
+     AT(average),
+     .preset = 1,
+     .unit = "",
+     .doc = "the force between two bodies is the mean over their points of contact, as in the published code; false: the sum",
+     .source = "protocols 2.1"},
+    {.name = "clamp",
+     .type = FIELD_BOOL,
+     AT(clamp),
+     .preset = 0,
+     .unit = "",
+     .doc = "normal forces never pull; restitution is then larger than asked for",
+     .source = "seed 001 eq. 5, targets S1-01"},
+};
+const struct field_table rigid_table = {
+    .name = "material",
+    .doc = "the bodies' matter and what they do when they touch; \"preset\" names a published one, other keys override it",
+    .fields = fields,
+    .count = COUNT(fields),
+    .size = sizeof(struct rigid_spec)};
+
+const struct rigid_spec rigid_crosses = {.preset = "plastic-crosses",
+                                         .density_kg_m3 = 770,
+                                         .stiffness = 4.5e5,
+                                         .restitution = 0.85,
+                                         .stiffness_t = 300,
+                                         .rate_t = 1e3,
+                                         .friction = 0.46,
+                                         .at_wall = 0.62,
+                                         .crust_m = 1e-4,
+                                         .average = true};
+
+static const char *const shapes[] = {"cross", "box", "tetrapod", "sphere", NULL};
+static const struct field body_fields[] = {
+    {.name = "shape",
+     .type = FIELD_ENUM,
+     OF(shape),
+     .preset = BODY_CROSS,
+     .unit = "",
+     .doc = "cross of two boxes, box, tetrapod of four six-sided legs, sphere",
+     .source = "seed 001 III.B",
+     .choices = shapes},
+    {.name = "length_m",
+     .type = FIELD_REAL,
+     OF(length_m),
+     .min = 1e-5,
+     .max = 10,
+     .preset = 0.027,
+     .unit = "m",
+     .doc = "of a cross' arms from end to end, of a box; of a tetrapod's legs from its centre",
+     .source = "seed 001 III.B"},
+    {.name = "width_m",
+     .type = FIELD_REAL,
+     OF(width_m),
+     .min = 1e-5,
+     .max = 10,
+     .preset = 0.002,
+     .unit = "m",
+     .doc = "of a cross' arms, of a box",
+     .source = "seed 001 III.B"},
+    {.name = "thickness_m",
+     .type = FIELD_REAL,
+     OF(thickness_m),
+     .min = 1e-5,
+     .max = 10,
+     .preset = 0.003,
+     .unit = "m",
+     .doc = "of a cross, of a box",
+     .source = "seed 001 III.B"},
+    {.name = "radius_m",
+     .type = FIELD_REAL,
+     OF(radius_m),
+     .min = 1e-5,
+     .max = 10,
+     .preset = 0.0042,
+     .unit = "m",
+     .doc = "of a sphere, of a tetrapod's legs across their corners",
+     .source = "seed 001 III.B"},
+};
+const struct field_table body_table = {"body", "", body_fields, COUNT(body_fields), sizeof(struct body_spec)};
+
+double rigid_contact_time(const struct rigid_spec *m, double reduced_mass)
+{
+    double log_e = log(m->restitution);
+    return sqrt(reduced_mass * (M_PI * M_PI + log_e * log_e) / m->stiffness);
+}
+
+double body_reach(const struct body_spec *b)
+{
+    double l = b->length_m, w = b->width_m, t = b->thickness_m;
+    switch ((enum body_shape)b->shape) {
+    case BODY_CROSS:
+    case BODY_BOX:
+        return 0.5 * sqrt(l * l + w * w + t * t);
+    case BODY_TETRAPOD:
+        return hypot(l, b->radius_m);
+    case BODY_SPHERE:
+        break;
+    }
+    return b->radius_m;
+}
+
+double body_volume(const struct body_spec *b)
+{
+    double l = b->length_m, w = b->width_m, t = b->thickness_m, r = b->radius_m;
+    switch ((enum body_shape)b->shape) {
+    case BODY_CROSS:
+        return (2 * l - w) * w * t;
+    case BODY_BOX:
+        return l * w * t;
+    case BODY_TETRAPOD:
+        return 4 * l * 1.5 * sqrt(3) * r * r;
+    case BODY_SPHERE:
+        break;
+    }
+    return 4 * M_PI / 3 * r * r * r;
+}
+
+/* ---- what their scenarios share ---- */
+
+void rigid_defaults(struct job_spec *job)
+{
+    job->time.step_s = 2.5e-6;
+    job->record.basal_force.every_s = 1e-4;
+    job->record.bulk.on = true;
+}
+
+enum { BYTES_PER_BODY = 8000 }; // with its pairs of parts where bodies are entangled
+
+struct job_cost rigid_cost(const struct job_spec *job, double bodies)
+{
+    return (struct job_cost){
+        .moving = bodies, .steps = fmax(1, round(job->time.end_s / job->time.step_s)), .bytes = bodies * BYTES_PER_BODY};
+}
+
+/* Records that a world of bodies has nothing for. */
+static enum scree_status check_records(const struct job_spec *job, struct scree_error *err)
+{
+    static const char *const not [] = {"profiles", "connectivity", "collisions", "energy", "contact", "flow"};
+    for (size_t k = 0; k < COUNT(not ); k++)
+        if (record_find(job, not [k]).on) {
+            char path[64];
+            snprintf(path, sizeof path, "record.%s", not [k]);
+            return scree_fail(err, SCREE_INVALID, path, "%s: is for worlds of spheres, and scenario %s has rigid bodies", path,
+                              job->scenario->name);
+        }
+    return check_intervals(job, err);
+}
+
+enum scree_status rigid_check(const struct job_spec *job, const struct body_spec *body, double length, double width,
+                              const char *path, struct scree_error *err)
+{
+    const struct rigid_spec *m = &job->rigid;
+    char a[TEXT_REAL_MAX], b[TEXT_REAL_MAX];
+    double across = 2 * body_reach(body), duration = rigid_contact_time(m, 0.5 * m->density_kg_m3 * body_volume(body));
+    double thinnest =
+        body->shape == BODY_SPHERE || body->shape == BODY_TETRAPOD ? body->radius_m : fmin(body->width_m, body->thickness_m);
+    if (fmin(length, width) < across)
+        return scree_fail(err, SCREE_INVALID, fmin(length, width) == length ? path : "params.width_m",
+                          "%s: %s m do not hold a body that is %s m across, whatever way it is turned",
+                          fmin(length, width) == length ? path : "params.width_m", text_real(fmin(length, width), a),
+                          text_real(across, b));
+    if (body->shape == BODY_CROSS && body->width_m >= body->length_m)
+        return scree_fail(err, SCREE_INVALID, "params.body.width_m", "params.body.width_m: arms of %s m are wider than long, %s m",
+                          text_real(body->width_m, a), text_real(body->length_m, b));
+    if (body->shape != BODY_SPHERE && m->crust_m > 0.25 * thinnest)
+        return scree_fail(err, SCREE_INVALID, "material.crust_m",
+                          "material.crust_m: %s m leave no core to a body that is %s m thin: at most a quarter of it",
+                          text_real(m->crust_m, a), text_real(thinnest, b));
+    if (job->time.step_s > duration / 8) {
+        scree_fail(err, SCREE_INVALID, "time.step_s", "time.step_s: %s s is above an eighth of a contact's duration, %.3g s",
+                   text_real(job->time.step_s, a), duration);
+        scree_hint(err, "a twentieth is a good choice; it grows as material.stiffness_N_m to the power -1/2");
+        return SCREE_INVALID;
+    }
+    return check_records(job, err);
+}

@@ -1,0 +1,131 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Image rules of a heap (targets S1-12), on heaps whose picture is known. */
+#include "unit.h"
+
+#include <math.h>
+
+#include "measure/pile.h"
+
+/* Boxes with edges along the axes, one part each, and crusts of radius r. */
+enum { BOXES_MAX = 40 };
+static struct heap {
+    struct view view;
+    struct view_body body[BOXES_MAX];
+    uint32_t start[BOXES_MAX + 1];
+    double corner[8 * BOXES_MAX][4];
+} heap;
+
+static void add_box(double x0, double x1, double y0, double y1, double z0, double z1, double r)
+{
+    size_t k = heap.view.bodies++;
+    heap.body[k] = (struct view_body){.id = (uint32_t)k,
+                                      .mass = 1,
+                                      .part_first = (uint32_t)k,
+                                      .parts = 1,
+                                      .position = {0.5 * (x0 + x1), 0.5 * (y0 + y1), 0.5 * (z0 + z1)}};
+    for (int c = 0; c < 8; c++) {
+        double *at = heap.corner[8 * k + (size_t)c];
+        at[0] = c & 1 ? x1 - r : x0 + r;
+        at[1] = c & 2 ? y1 - r : y0 + r;
+        at[2] = c & 4 ? z1 - r : z0 + r;
+        at[3] = r;
+    }
+    heap.start[k + 1] = (uint32_t)(8 * (k + 1));
+    heap.view.body = heap.body;
+    heap.view.part_start = heap.start;
+    heap.view.corner = (const double(*)[4])heap.corner;
+}
+
+static int empty(void **state)
+{
+    (void)state;
+    heap = (struct heap){0};
+    return 0;
+}
+
+static void assert_near(double value, double expected, double tolerance)
+{
+    if (!(fabs(value - expected) <= tolerance))
+        fail_msg("%.12g is not within %.3g of %.12g", value, tolerance, expected);
+}
+
+static struct pile measured(double length, double width, double from, double pixel)
+{
+    struct pile p;
+    assert_int_equal(pile_measure(&heap.view, length, width, from, pixel, &p, NULL), SCREE_OK);
+    return p;
+}
+
+static void runout_is_where_the_cover_thins(void **state)
+{
+    (void)state;
+    add_box(0, 0.2, 0, 0.1, 0, 0.05, 1e-4);      // whole width
+    add_box(0.2, 0.25, 0, 0.015, 0, 0.01, 1e-4); // 15 % of it
+    add_box(0.25, 0.3, 0, 0.005, 0, 0.01, 1e-4); // 5 %
+    struct pile p = measured(0.4, 0.1, 0, 1e-3);
+    assert_near(p.runout, 0.25, 1.01e-3);
+    assert_near(p.runout_least, 0.2, 1.01e-3);
+    assert_near(p.runout_most, 0.3, 1.01e-3);
+}
+
+/* A gap beside the back wall is not where the heap ends. */
+static void what_lies_before_the_heap_does_not_count(void **state)
+{
+    (void)state;
+    add_box(0.05, 0.2, 0, 0.1, 0, 0.05, 1e-4);
+    assert_near(measured(0.4, 0.1, 0, 1e-3).runout, 0, 1e-12);
+    assert_near(measured(0.4, 0.1, 0.1, 1e-3).runout, 0.2, 1.01e-3);
+}
+
+static void height_is_that_of_the_highest_body_across(void **state)
+{
+    (void)state;
+    add_box(0, 0.1, 0, 0.05, 0, 0.02, 1e-4);
+    add_box(0.1, 0.2, 0, 0.05, 0, 0.01, 1e-4); // lower, behind it
+    add_box(0, 0.1, 0.05, 0.1, 0, 0.06, 1e-4);
+    struct pile p = measured(0.3, 0.1, 0, 1e-3);
+    assert_near(p.height, 0.04, 1e-9);
+    assert_near(p.height_low, 0.02, 1e-9);
+    assert_near(p.height_high, 0.06, 1e-9);
+}
+
+static void a_sphere_covers_its_disc(void **state)
+{
+    (void)state;
+    heap.view.bodies = 1;
+    heap.body[0] = (struct view_body){.mass = 2, .parts = 1, .position = {0.5, 0.5, 0.3}};
+    heap.start[1] = 1;
+    heap.corner[0][0] = heap.corner[0][1] = 0.5;
+    heap.corner[0][2] = 0.3;
+    heap.corner[0][3] = 0.3;
+    heap.view.body = heap.body;
+    heap.view.part_start = heap.start;
+    heap.view.corner = (const double(*)[4])heap.corner;
+    struct pile p = measured(1, 1, 0.5, 1e-3);
+    assert_near(p.runout_most, 0.8, 2e-3);
+    /* 10 % of the width is covered where the chord is 0.1. */
+    assert_near(p.runout, 0.5 + sqrt(0.09 - 0.0025), 2e-3);
+    assert_near(p.centre[2], 0.3, 1e-15);
+    assert_near(p.height_high, 0.3 + sqrt(0.09 - 0.125 * 0.125), 2e-3); // a quarter of all lines is within 0.125 of the middle
+}
+
+static void shares_below_a_threshold(void **state)
+{
+    (void)state;
+    const double share[] = {0.05, 0.5, 0.1, 0.09, 0.5};
+    assert_int_equal(pile_first_below(share, 5, 0, 0.1), 0);
+    assert_int_equal(pile_first_below(share, 5, 1, 0.1), 3);
+    assert_int_equal(pile_first_below(share, 5, 4, 0.1), 5);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup(runout_is_where_the_cover_thins, empty),
+        cmocka_unit_test_setup(what_lies_before_the_heap_does_not_count, empty),
+        cmocka_unit_test_setup(height_is_that_of_the_highest_body_across, empty),
+        cmocka_unit_test_setup(a_sphere_covers_its_disc, empty),
+        cmocka_unit_test(shares_below_a_threshold),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What scenarios of rigid bodies refuse, and what they cost. */
+#include "unit.h"
+
+#include <math.h>
+
+#include "spec/scenarios.h"
+
+static void refused(const struct job_spec *job, const char *path, const char *message)
+{
+    struct scree_error err = {0};
+    assert_int_equal(job_check(job, 0, &err), SCREE_INVALID);
+    assert_error(&err, SCREE_INVALID, path, message);
+}
+
+static struct dam_break_params *dam(struct job_spec *job)
+{
+    job_defaults(job, &scenario_dam_break_fields);
+    return (struct dam_break_params *)(void *)job->params;
+}
+
+static void defaults_are_those_of_the_paper(void **state)
+{
+    (void)state;
+    struct job_spec job;
+    const struct dam_break_params *p = dam(&job);
+    assert_int_equal(job_check(&job, 0, NULL), SCREE_OK);
+    assert_true(fabs(body_volume(&p->body) - 312e-9) < 1e-18); // S1-09
+    /* S1-02: 5.14e-5 s between two crosses. */
+    double duration = rigid_contact_time(&job.rigid, 0.5 * job.rigid.density_kg_m3 * body_volume(&p->body));
+    assert_true(fabs(duration - 5.14e-5) < 5e-8);
+}
+
+static void gate_outside_the_box(void **state)
+{
+    (void)state;
+    struct job_spec job;
+    dam(&job)->column_m = 0.7;
+    refused(&job, "params.column_m",
+            "params.column_m: a column of 0.7 m does not fit a box of 0.64 m: its gate would stand outside");
+}
+
+static void gate_that_never_goes(void **state)
+{
+    (void)state;
+    struct job_spec job;
+    dam(&job)->settle_s = 5;
+    refused(&job, "params.settle_s", "params.settle_s: the gate goes at 5 s, and the run ends at 4 s");
+}
+
+static void body_wider_than_its_column(void **state)
+{
+    (void)state;
+    struct job_spec job;
+    dam(&job)->column_m = 0.0125;
+    struct scree_error err = {0};
+    assert_int_equal(job_check(&job, 0, &err), SCREE_INVALID);
+    assert_string_equal(err.path, "params.column_m");
+}
+
+static void crust_without_a_core(void **state)
+{
+    (void)state;
+    struct job_spec job;
+    dam(&job);
+    job.rigid.crust_m = 1e-3;
+    refused(&job, "material.crust_m",
+            "material.crust_m: 0.001 m leave no core to a body that is 0.002 m thin: at most a quarter of it");
+}
+
+static void step_too_long_for_a_contact(void **state)
+{
+    (void)state;
+    struct job_spec job;
+    dam(&job);
+    job.time.step_s = 1e-5;
+    struct scree_error err = {0};
+    assert_int_equal(job_check(&job, 0, &err), SCREE_INVALID);
+    assert_string_equal(err.path, "time.step_s");
+    job.rigid.stiffness /= 4; // twice as long
+    assert_int_equal(job_check(&job, 0, &err), SCREE_OK);
+}
+
+static void records_of_spheres(void **state)
+{
+    (void)state;
+    struct job_spec job;
+    dam(&job);
+    job.record.profiles.on = true;
+    refused(&job, "record.profiles", "record.profiles: is for worlds of spheres, and scenario dam_break has rigid bodies");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(defaults_are_those_of_the_paper),
+        cmocka_unit_test(gate_outside_the_box),
+        cmocka_unit_test(gate_that_never_goes),
+        cmocka_unit_test(body_wider_than_its_column),
+        cmocka_unit_test(crust_without_a_core),
+        cmocka_unit_test(step_too_long_for_a_contact),
+        cmocka_unit_test(records_of_spheres),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
