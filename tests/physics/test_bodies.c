@@ -331,6 +331,7 @@ static void the_ledger_of_a_heap_closes(void **state)
         double lost = view.dissipated_normal + view.dissipated_tangential + view.dissipated_rolling;
         assert_true(view.dissipated_normal > 0 && view.dissipated_tangential > 0 && view.dissipated_rolling > 0);
         residual[k] = (view.gravity_work + start - bulk.kinetic - bulk.elastic - lost) / lost;
+        dem_free(dem);
     }
     if (!(fabs(residual[1]) < 5e-3 && fabs(residual[1]) < fabs(residual[0])))
         fail_msg("residuals %g, %g", residual[0], residual[1]);

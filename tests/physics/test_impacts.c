@@ -144,7 +144,8 @@ static size_t log_of(int threads, uint64_t slice, struct view_formation *log)
         must(dem_advance(dem, slice, &error), &error);
         size_t more = dem_take_formations(dem, &f);
         assert_true(count + more <= KEPT);
-        memcpy(log + count, f, more * sizeof *log);
+        if (more > 0)
+            memcpy(log + count, f, more * sizeof *log);
         count += more;
     }
     dem_free(dem);

@@ -36,18 +36,15 @@ class Measurements(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory(prefix="scree-test-")
+        cls.addClassCleanup(cls.folder.cleanup)
         cls.daemon = Daemon(folder=cls.folder.name)
+        cls.addClassCleanup(cls.daemon.stop)
         cls.job = cls.daemon.control.submit(SPEC)
         cls.daemon.control.wait(cls.job)
         cls.record = cls.daemon.control.ask("show", {"job": cls.job})
         cls.numbers = {row["name"]: row["value"] for row in cls.record["numbers"]}
         cls.file = os.path.join(cls.folder.name, "r.h5")
         cls.scree("fetch", cls.job, "-o", cls.file)
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.daemon.stop()
-        cls.folder.cleanup()
 
     @classmethod
     def scree(cls, *words, code=0):
