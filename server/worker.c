@@ -264,13 +264,16 @@ static enum scree_status run_slices(struct context *c, struct scree_world *world
     size_t next = 0;
     struct scree_progress p = scree_world_progress(world);
     c->kept_s = started;
-    while (!p.finished && p.step < c->run->stop_step) {
+    while (!p.finished && p.step <= c->run->stop_step) {
+        /* Also where a replay stops: a command may have been the last thing before its job was cancelled. */
         enum scree_status status = obey(c, world, &next, &limit, err);
         int order = atomic_load(&c->run->order);
         if (status || order != RUN_GO) {
             publish(c, world, rate, last - started, true);
             return status ? status : order == RUN_CANCEL ? SCREE_CANCELLED : SCREE_BUSY; // busy: to be run again
         }
+        if (p.step == c->run->stop_step)
+            break;
         uint64_t before = p.step, left = c->run->stop_step - p.step;
         limit = limit < left ? limit : left;
         double begun = seconds_now();

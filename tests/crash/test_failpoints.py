@@ -29,7 +29,7 @@ def failpoints():
 class Failpoints(unittest.TestCase):
     def live(self, session):
         """Passes every failpoint at least once."""
-        job = session.submit(tiny(end_s=0.1))  # longer than the calls below take
+        job = session.submit(tiny(end_s=0.3))  # longer than the calls below take
         session.steer("set", job, ["params.slope_deg=28"])
         session.steer("checkpoint", job)
         session.steer("fork", job, ["material.mu_t=0.4"])

@@ -202,7 +202,7 @@ static struct dem *on_plane(const struct fragment_spec *m, double r, const doubl
 static struct view after(struct dem *dem, double seconds, double step_s)
 {
     struct scree_error error = {0};
-    struct view view;
+    struct view view = {0};
     if (dem_advance(dem, (uint64_t)round(seconds / step_s), &error) || dem_view(dem, &view, &error))
         fail_msg("%s", error.message);
     return view;

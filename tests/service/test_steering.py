@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Steering: what each command does, when, and that doing it again does nothing."""
 import glob
+import json
 import os
 import signal
 import subprocess
@@ -196,6 +197,17 @@ class Steering(unittest.TestCase):
         replay = self.control.wait(self.control.ask("replay", {"job": job})["job"])
         self.assertEqual((replay["hash"], replay["steps"], replay["origin"]["replay"]["same"]), (first["hash"], first["steps"], True))
         self.assertEqual([c["step"] for c in replay["steering"]], [c["step"] for c in first["steering"] if c["op"] == "set"])
+
+    def test_replay_of_a_job_cancelled_where_a_command_was_its_last_deed(self):
+        self.start()
+        for slope in range(20, 28):
+            job = self.running(tiny(end_s=1000))
+            command = {"job": job, "set": [f"params.slope_deg={slope}"]}
+            self.control.socket.send_multipart([b"SC1", b'{"id": "set", "op": "set"}', json.dumps(command).encode()])
+            self.control.ask("cancel", {"job": job})  # with the command, before the next slice
+            first = self.control.wait(job)
+            replay = self.control.wait(self.control.ask("replay", {"job": job})["job"])
+            self.assertEqual((replay["hash"], replay["steps"]), (first["hash"], first["steps"]))
 
     def test_a_different_run_is_seen_in_the_hash(self):
         self.start()

@@ -82,7 +82,8 @@ static void an_approach_is_accelerating_first_and_steady_once_level(void **state
     (void)state;
     struct verdict v;
     verdict_start(&v, 2e-3, 9.81, 10, VERDICT_CALM);
-    int at_four = VERDICT_UNDECIDED, k = 1;
+    enum scree_verdict at_four = VERDICT_UNDECIDED;
+    int k = 1;
     for (; k <= 60000 && v.current != VERDICT_STEADY; k++) {
         double e = approaching(k * 1e-3);
         verdict_add(&v, k * 1e-3, e, 1e-6, sqrt(2 * e / 0.01), 0.01);
