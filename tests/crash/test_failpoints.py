@@ -5,6 +5,7 @@ import os
 import re
 import sys
 import tempfile
+import time
 import unittest
 
 from model import FAULTS, SLOW, Session, tiny
@@ -30,6 +31,8 @@ class Failpoints(unittest.TestCase):
     def live(self, session):
         """Passes every failpoint at least once."""
         job = session.submit(tiny(end_s=0.3))  # longer than the calls below take
+        while session.ask("show", {"job": job})["state"] == "queued":  # what has not begun cannot be forked
+            time.sleep(0.005)
         session.steer("set", job, ["params.slope_deg=28"])
         session.steer("checkpoint", job)
         session.steer("fork", job, ["material.mu_t=0.4"])
