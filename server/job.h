@@ -115,7 +115,7 @@ struct run {
     int64_t ask_number;
     uint64_t ask_step;
     struct run_report report;
-    /* Streams of the world, for the recorder; under `lock`, none before the world stands. */
+    bool stands; // the world does: there is something to record; under `lock`, as are its streams, for the recorder
     const struct scree_stream *streams[JOB_STREAMS_MAX];
     size_t stream_count;
 };

@@ -95,6 +95,7 @@ static enum scree_status declare_streams(struct context *c, const struct scree_w
     pthread_mutex_lock(&c->run->lock);
     for (size_t k = 0; k < count && k < JOB_STREAMS_MAX && !status; k++)
         c->run->streams[c->run->stream_count++] = streams[k];
+    c->run->stands = !status;
     pthread_mutex_unlock(&c->run->lock);
     return status;
 }
