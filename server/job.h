@@ -84,8 +84,9 @@ struct run_start {
 };
 enum { RUN_STARTS_MAX = 4 };
 
-/* What a worker asks before a command that waited takes effect: the journal has to know the step first. */
-enum run_ask { ASK_NONE, ASK_WAITING, ASK_GRANTED, ASK_REFUSED };
+/* What a worker asks before a command that waited takes effect: the journal has to know the step first.
+ * While it is WAITING an order takes the question back; once control has TAKEN it, the answer decides. */
+enum run_ask { ASK_NONE, ASK_WAITING, ASK_TAKEN, ASK_GRANTED };
 
 struct recorder;
 
