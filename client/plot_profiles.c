@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "calibrate/digits.h"
+#include "plot_read.h"
 
 static const struct curve {
     int panel;
@@ -24,20 +25,10 @@ static const struct curve {
 enum { CURVES = sizeof curves / sizeof *curves, PANELS = 4 };
 static const char *const axes[PANELS] = {"share", "u_x (m/s)", "T, impact speed squared (m2/s2)", "impacts (1/(mm3 ms))"};
 
-static int column_of(const struct reader_chunk *chunk, const char *name)
-{
-    for (size_t c = 0; c < chunk->columns; c++) {
-        const char *here = cJSON_GetStringValue(cJSON_GetArrayItem(chunk->column_names, (int)c));
-        if (here && strcmp(here, name) == 0)
-            return (int)c;
-    }
-    return -1;
-}
-
 void plot_profiles_take(void *context, const struct reader_chunk *chunk)
 {
     struct plot_profiles *p = context;
-    int z = column_of(chunk, "z"), phi = column_of(chunk, "phi");
+    int z = plot_column_of(chunk, "z"), phi = plot_column_of(chunk, "phi");
     if (z < 0 || phi < 0)
         return;
     fprintf(p->script, "$profiles << EOD\n");
@@ -45,7 +36,7 @@ void plot_profiles_take(void *context, const struct reader_chunk *chunk)
         const double *row = chunk->values + r * chunk->columns;
         fprintf(p->script, "%.9g", 1e3 * row[z]);
         for (size_t k = 0; k < CURVES; k++) { // what nothing was seen of has no value
-            int c = column_of(chunk, curves[k].column);
+            int c = plot_column_of(chunk, curves[k].column);
             bool there = c >= 0 && (row[c] != 0 || curves[k].panel == 0);
             if (there && curves[k].panel == 3)
                 p->impacts = fmax(p->impacts, row[c] * curves[k].scale);
