@@ -412,8 +412,12 @@ static enum scree_status decode_search(struct study_plan *plan, struct scree_err
 /* Spells the job out, unless a trial changes a word that the rest of the job is read by. */
 static enum scree_status resolve_job(struct study_plan *plan, struct scree_error *err)
 {
+    char adopt[64] = "";
+    if (plan->base.scenario->adopt_key)
+        snprintf(adopt, sizeof adopt, "params.%s", plan->base.scenario->adopt_key);
     for (size_t k = 0; k < plan->column_count; k++)
-        if (strcmp(plan->columns[k], "scenario") == 0 || strcmp(plan->columns[k], "material.preset") == 0)
+        if (strcmp(plan->columns[k], "scenario") == 0 || strcmp(plan->columns[k], "material.preset") == 0 ||
+            strcmp(plan->columns[k], adopt) == 0)
             return SCREE_OK;
     cJSON *resolved = job_encode(&plan->base), *read = NULL;
     char *text = resolved ? json_print(resolved, false) : NULL; // read again, for what is encoded holds its numbers as text
