@@ -165,6 +165,7 @@ struct record_spec {
     struct record_every energy;       // ledger: gravity's work, kinetic, elastic, dissipated
     struct record_every snapshots;    // every grain's state
     struct record_every flow;         // scenario chute: where the flow is, its agitation and losses
+    struct record_every surface;      // continuum: free surface and static line along x
     struct record_every contact;      // scenario collision: overlap and forces of the one contact
     struct record_every rolling;      // scenario rolling: place, velocity and spin of the sphere
     struct record_profiles profiles;  // by height: phi, u, T, impacts, share joined to the base
@@ -326,6 +327,7 @@ struct collapse_params { // seed 002, section 4: a column on an erodible bed beh
     double bed_m, box_length_m, box_height_m;
     bool plane;
     double cell_m, cell_height_m;
+    int64_t cells_across; // 0: as cell_m says
     double mu_wall, mu_gate, gate_speed_m_s, gate_tau_s, gate_wait_s;
     struct continuum_spec continuum;
 };
@@ -336,6 +338,14 @@ struct tilt_params { // seed 002, section 2.4: a bed in a box that is tilted ste
     double length_m, height_m, width_m, bed_m;
     bool plane;
     int64_t cells_x, cells_y, cells_z;
+    struct continuum_spec continuum;
+};
+
+struct layer_params { // an endless layer on a slope, as a continuum
+    double slope_deg;
+    double gravity_m_s2;
+    double depth_m;
+    int64_t cells; // through the depth
     struct continuum_spec continuum;
 };
 
