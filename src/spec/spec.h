@@ -177,7 +177,7 @@ struct record_spec {
 
 /* ---- the job ---- */
 
-enum { SPEC_PARAMS_MAX = 512 };
+enum { SPEC_PARAMS_MAX = 2560 };
 
 /* What the paper says, to be printed beside what came out. "{restitution}" in it stands for that number of a job's
  * summary, "{answer}" for what a search found. */
@@ -349,6 +349,25 @@ struct layer_params { // an endless layer on a slope, as a continuum
     struct continuum_spec continuum;
 };
 
+/* A clast of the user's own: what touches, and what it weighs by a closed convex polyhedron of triangles or in numbers. */
+enum { CLAST_SPHERES = 32, CLAST_VERTICES = 16, CLAST_FACES = 2 * CLAST_VERTICES - 4 };
+struct clast_spec {
+    bool on;
+    struct {
+        int64_t count;
+        double row[CLAST_SPHERES][4]; // x, y, z, radius, m
+    } spheres;
+    struct {
+        int64_t count;
+        double row[CLAST_VERTICES][3]; // m
+    } vertices;
+    struct {
+        int64_t count;
+        double row[CLAST_FACES][3]; // numbers of vertices
+    } faces;
+    double mass_kg, centre_m[3], moments_kg_m2[3], products_kg_m2[3]; // without faces
+};
+
 enum chute_accelerator { ACCELERATOR_CHUTE, ACCELERATOR_GATE };
 struct chute_params { // seed 003: angular fragments down a curved chute
     double mass_g, size_m;
@@ -360,6 +379,7 @@ struct chute_params { // seed 003: angular fragments down a curved chute
     double gate_m_s;            // speed at which the gate slides off; 0: it vanishes at the start
     double gravity_m_s2;
     double floor_m, width_m, side_deg, guard_m, run_m, gate_m, flatness; // geometry; flatness in sizes
+    struct clast_spec clast;
 };
 
 struct settle_params { // seed 001: bodies poured into a box come to rest
