@@ -113,16 +113,30 @@ extern const struct rigid_spec rigid_crosses; // Table I
 /* Duration of a head-on contact of reduced mass m_ij, kg (eq. 12), s. */
 double rigid_contact_time(const struct rigid_spec *m, double reduced_mass);
 
-enum body_shape { BODY_CROSS, BODY_BOX, BODY_TETRAPOD, BODY_SPHERE };
+enum body_shape { BODY_CROSS, BODY_BOX, BODY_TETRAPOD, BODY_SPHERE, BODY_PRISM, BODY_CYLINDER, BODY_HULLS, BODY_SPHERES };
+enum { BODY_POINTS_TEXT = 1800, BODY_POINTS_MAX = 160, BODY_PARTS_MAX = 16 };
 struct body_spec {
     int shape;
-    double length_m, width_m, thickness_m; // of a cross' arms, a box
-    double radius_m;                       // of a sphere, or a tetrapod's legs, which are length_m long
+    double length_m, width_m, thickness_m; // of a cross' arms, a box; length_m: of a prism, a cylinder
+    double radius_m;                       // of a sphere, a prism, a cylinder, or a tetrapod's legs, which are length_m long
+    int64_t sides;                         // of a prism
+    char points_m[BODY_POINTS_TEXT];       // of hulls and spheres
 };
 extern const struct field_table body_table;
 
 double body_reach(const struct body_spec *body);  // from the centre to the farthest point, m
 double body_volume(const struct body_spec *body); // for what a job costs: a tetrapod's is its legs', counted singly, m3
+
+struct job_spec;
+/* Refuses steps too long for contacts between bodies of that mass, kg. */
+enum scree_status rigid_step_check(const struct job_spec *job, double mass, struct scree_error *err);
+
+/* `points_m` as numbers: parts one after the other, part k from first[k] on; a sphere's radius is [3], m. */
+struct body_points {
+    size_t parts, count, first[BODY_PARTS_MAX + 1];
+    double point[BODY_POINTS_MAX][4];
+};
+enum scree_status body_points(const struct body_spec *body, struct body_points *out, struct scree_error *err);
 
 /* ---- time, stop, record ---- */
 
