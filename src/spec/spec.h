@@ -12,6 +12,21 @@
 
 /* ---- material: glass-like spheres of seed 000 (law "hertz-mindlin-rolling") ---- */
 
+/* What beads of that law may touch. Floors are of the beads' own matter. */
+enum bead_partner { BEAD_BEAD, BEAD_WALL, BEAD_MIRROR };
+struct material_wall { // a side wall of another matter (S4.4)
+    int preset;
+    double young_Pa, poisson; // E_w, nu_w
+    double beta_s;            // beta_w, in place of beta
+    double mu;                // mu_w, in place of mu_t
+};
+extern const struct field_table material_wall_table;
+#define MATERIAL_PMMA                                                                                                              \
+    {                                                                                                                              \
+        .young_Pa = 3.3e9, .poisson = 0.4, .beta_s = 200e-9, .mu = 0.10510423526567647                                             \
+    } // mu_w: tan 6 deg
+extern const struct material_wall material_pmma;
+
 struct material_spec {
     char preset[48];      // name of the published material that the other values start from
     double radius_m;      // median radius
@@ -25,6 +40,7 @@ struct material_spec {
     double beta_r_s;       // rolling damping (eq. 24)
     double mu_r;           // rolling friction (eq. 25)
     double torsion_factor; // k_n = factor * G * a^3 (eq. 14): 16/3 as printed, 8/3 for two like bodies in series
+    struct material_wall wall;
 };
 extern const struct field_table material_table;
 
@@ -34,7 +50,7 @@ struct material_kind {
     const char *law; // its name
     const struct field_table *table;
 };
-extern const struct material_kind material_beads, material_fragments, material_rigid;
+extern const struct material_kind material_beads, material_walls, material_fragments, material_rigid;
 
 /* A published material: its values and what a reader must know about them. */
 struct material_preset {
@@ -59,6 +75,10 @@ double material_contact_time(const struct material_spec *m, double speed);
  * grains that meet at `speed` is still integrated stably, s: see material.c for
  * the bound and its derivation. */
 double material_stable_step(const struct material_spec *m, double speed);
+/* A modulus of bead and wall together (eq. 33). */
+double material_wall_mean(double bead, double wall);
+/* Beads that meet each other at 2 v just as these meet their side wall at v: for the two functions above. */
+struct material_spec material_as_wall(const struct material_spec *m);
 
 /* ---- material: angular fragments of seed 003 (law "hertz-mindlin-tsuji") ---- */
 
@@ -260,14 +280,20 @@ const struct material_kind *scenario_material(const struct scenario_fields *scen
 
 /* ---- params of each scenario ---- */
 
-struct incline_params { // seed 000: steady flow down a rough incline, periodic in x and y
+struct incline_params { // seed 000: steady flow down a rough slope, periodic in x; in y, too, or in scenario channel between sides
     double slope_deg;
     double gravity_m_s2;
     int64_t nx, ny, nz; // in grain diameters; nx * ny * nz grains flow
     int64_t base_seed;  // of the fixed base's realisation
 };
 
-enum collision_partner { PARTNER_SPHERE, PARTNER_FIXED_SPHERE, PARTNER_PLANE };
+enum collision_partner {
+    PARTNER_SPHERE,
+    PARTNER_FIXED_SPHERE,
+    PARTNER_PLANE,
+    PARTNER_WALL,
+    PARTNER_MIRROR
+};                        // planes from PLANE on
 struct collision_params { // one contact: grain 1 meets a sphere or a plane along z
     int partner;
     double speed_m_s;            // closing speed along the normal
