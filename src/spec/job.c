@@ -64,6 +64,7 @@ static const struct field series_fields[] = {
 static const struct field bulk_fields[] = {EVERY(1e-3, "interval between samples")};
 static const struct field snapshot_fields[] = {EVERY(1e-2, "interval between frames")};
 static const struct field flow_fields[] = {EVERY(0.1, "interval between samples")};
+static const struct field surface_fields[] = {EVERY(1.0 / 15, "interval between frames")};
 _Static_assert(offsetof(struct record_series, every_s) == sizeof(double) &&
                    offsetof(struct record_every, every_s) == sizeof(double),
                "EVERY takes the interval to follow the switch");
@@ -74,6 +75,7 @@ static const struct field_table bulk_table = {"bulk", "", bulk_fields, COUNT(bul
 static const struct field_table snapshot_table = {"snapshots", "", snapshot_fields, COUNT(snapshot_fields),
                                                   sizeof(struct record_every)};
 static const struct field_table flow_table = {"flow", "", flow_fields, COUNT(flow_fields), sizeof(struct record_every)};
+static const struct field_table surface_table = {"surface", "", surface_fields, COUNT(surface_fields), sizeof(struct record_every)};
 static const struct field_table contact_table = {"contact", "", NULL, 0, sizeof(struct record_every)};
 
 static const struct field profiles_fields[] = {
@@ -220,6 +222,14 @@ static const struct field record_fields[] = {
      .doc = "scenario chute: place, transverse agitation and energy lost of the flow's central 5 cm",
      .source = "seed 003 3.4",
      .table = &flow_table},
+    {.name = "surface",
+     .type = FIELD_SWITCH,
+     .offset = offsetof(struct record_spec, surface),
+     .preset = 0,
+     .unit = "",
+     .doc = "continuum: free surface and line between static and flowing along the channel, a frame an instant",
+     .source = "seed 002 section 4.2",
+     .table = &surface_table},
     {.name = "contact",
      .type = FIELD_SWITCH,
      .offset = offsetof(struct record_spec, contact),
@@ -377,6 +387,9 @@ static enum scree_status check_kind(const struct job_spec *job, struct scree_err
             return scree_fail(err, SCREE_INVALID, path, "%s: is for worlds of grains, and scenario %s is a continuum", path,
                               job->scenario->name);
         }
+    if (job->record.surface.on && job->scenario->kind != SCENARIO_MPM)
+        return scree_fail(err, SCREE_INVALID, "record.surface", "record.surface: is for continua, and scenario %s is none",
+                          job->scenario->name);
     return SCREE_OK;
 }
 

@@ -113,16 +113,30 @@ extern const struct rigid_spec rigid_crosses; // Table I
 /* Duration of a head-on contact of reduced mass m_ij, kg (eq. 12), s. */
 double rigid_contact_time(const struct rigid_spec *m, double reduced_mass);
 
-enum body_shape { BODY_CROSS, BODY_BOX, BODY_TETRAPOD, BODY_SPHERE };
+enum body_shape { BODY_CROSS, BODY_BOX, BODY_TETRAPOD, BODY_SPHERE, BODY_PRISM, BODY_CYLINDER, BODY_HULLS, BODY_SPHERES };
+enum { BODY_POINTS_TEXT = 1800, BODY_POINTS_MAX = 160, BODY_PARTS_MAX = 16 };
 struct body_spec {
     int shape;
-    double length_m, width_m, thickness_m; // of a cross' arms, a box
-    double radius_m;                       // of a sphere, or a tetrapod's legs, which are length_m long
+    double length_m, width_m, thickness_m; // of a cross' arms, a box; length_m: of a prism, a cylinder
+    double radius_m;                       // of a sphere, a prism, a cylinder, or a tetrapod's legs, which are length_m long
+    int64_t sides;                         // of a prism
+    char points_m[BODY_POINTS_TEXT];       // of hulls and spheres
 };
 extern const struct field_table body_table;
 
 double body_reach(const struct body_spec *body);  // from the centre to the farthest point, m
 double body_volume(const struct body_spec *body); // for what a job costs: a tetrapod's is its legs', counted singly, m3
+
+struct job_spec;
+/* Refuses steps too long for contacts between bodies of that mass, kg. */
+enum scree_status rigid_step_check(const struct job_spec *job, double mass, struct scree_error *err);
+
+/* `points_m` as numbers: parts one after the other, part k from first[k] on; a sphere's radius is [3], m. */
+struct body_points {
+    size_t parts, count, first[BODY_PARTS_MAX + 1];
+    double point[BODY_POINTS_MAX][4];
+};
+enum scree_status body_points(const struct body_spec *body, struct body_points *out, struct scree_error *err);
 
 /* ---- time, stop, record ---- */
 
@@ -165,6 +179,7 @@ struct record_spec {
     struct record_every energy;       // ledger: gravity's work, kinetic, elastic, dissipated
     struct record_every snapshots;    // every grain's state
     struct record_every flow;         // scenario chute: where the flow is, its agitation and losses
+    struct record_every surface;      // continuum: free surface and static line along x
     struct record_every contact;      // scenario collision: overlap and forces of the one contact
     struct record_every rolling;      // scenario rolling: place, velocity and spin of the sphere
     struct record_profiles profiles;  // by height: phi, u, T, impacts, share joined to the base
@@ -176,7 +191,7 @@ struct record_spec {
 
 /* ---- the job ---- */
 
-enum { SPEC_PARAMS_MAX = 512 };
+enum { SPEC_PARAMS_MAX = 2560 };
 
 /* What the paper says, to be printed beside what came out. "{restitution}" in it stands for that number of a job's
  * summary, "{answer}" for what a search found. */
@@ -326,6 +341,7 @@ struct collapse_params { // seed 002, section 4: a column on an erodible bed beh
     double bed_m, box_length_m, box_height_m;
     bool plane;
     double cell_m, cell_height_m;
+    int64_t cells_across; // 0: as cell_m says
     double mu_wall, mu_gate, gate_speed_m_s, gate_tau_s, gate_wait_s;
     struct continuum_spec continuum;
 };
@@ -339,6 +355,33 @@ struct tilt_params { // seed 002, section 2.4: a bed in a box that is tilted ste
     struct continuum_spec continuum;
 };
 
+struct layer_params { // an endless layer on a slope, as a continuum
+    double slope_deg;
+    double gravity_m_s2;
+    double depth_m;
+    int64_t cells; // through the depth
+    struct continuum_spec continuum;
+};
+
+/* A clast of the user's own: what touches, and what it weighs by a closed convex polyhedron of triangles or in numbers. */
+enum { CLAST_SPHERES = 32, CLAST_VERTICES = 16, CLAST_FACES = 2 * CLAST_VERTICES - 4 };
+struct clast_spec {
+    bool on;
+    struct {
+        int64_t count;
+        double row[CLAST_SPHERES][4]; // x, y, z, radius, m
+    } spheres;
+    struct {
+        int64_t count;
+        double row[CLAST_VERTICES][3]; // m
+    } vertices;
+    struct {
+        int64_t count;
+        double row[CLAST_FACES][3]; // numbers of vertices
+    } faces;
+    double mass_kg, centre_m[3], moments_kg_m2[3], products_kg_m2[3]; // without faces
+};
+
 enum chute_accelerator { ACCELERATOR_CHUTE, ACCELERATOR_GATE };
 struct chute_params { // seed 003: angular fragments down a curved chute
     double mass_g, size_m;
@@ -350,6 +393,7 @@ struct chute_params { // seed 003: angular fragments down a curved chute
     double gate_m_s;            // speed at which the gate slides off; 0: it vanishes at the start
     double gravity_m_s2;
     double floor_m, width_m, side_deg, guard_m, run_m, gate_m, flatness; // geometry; flatness in sizes
+    struct clast_spec clast;
 };
 
 struct settle_params { // seed 001: bodies poured into a box come to rest

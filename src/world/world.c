@@ -84,6 +84,8 @@ static enum scree_status take_view(struct scree_world *w, struct measure_now *no
     enum scree_status status = w->kind->view(w->body, now, err);
     if (!status && now->grains)
         bulk_measure(now->grains, &w->context.last);
+    if (!status && now->points)
+        w->context.last = (struct bulk){.mass = now->points->density * now->points->volume};
     return status;
 }
 
