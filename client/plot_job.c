@@ -7,6 +7,7 @@
 #include "calibrate/digits.h"
 #include "output.h"
 #include "plot.h"
+#include "plot_chute.h"
 #include "plot_force.h"
 #include "plot_profiles.h"
 #include "plot_read.h"
@@ -137,11 +138,33 @@ static bool has_blows(const cJSON *record)
     return plot_chunks_of(record, SURFACE) == 0;
 }
 
+/* What there is of a flow down a chute: four snapshots spread over it, layers as of a third of it. */
+static enum outcome read_chute(struct link *link, const cJSON *record, struct plot_chute *plot, struct scree_error *err)
+{
+    const char *id = json_text(record, "id");
+    uint64_t snapshots = plot_chunks_of(record, "snapshots"), layers = plot_chunks_of(record, "layers");
+    enum outcome outcome =
+        plot_read_chunks(link, id, "walls", 0, plot_chunks_of(record, "walls"), plot_chute_take_walls, plot, err);
+    for (uint64_t k = 0; k < PLOT_CHUTE_FRAMES && snapshots > 0 && !outcome; k++) {
+        static const int percent[PLOT_CHUTE_FRAMES] = {10, 22, 38, 100};
+        uint64_t at = (snapshots - 1) * (uint64_t)percent[k] / 100;
+        outcome = plot_read_chunks(link, id, "snapshots", at, at + 1, plot_chute_take_snapshot, plot, err);
+    }
+    if (!outcome)
+        outcome =
+            plot_read_chunks(link, id, "fragments", 0, plot_chunks_of(record, "fragments"), plot_chute_take_bodies, plot, err);
+    if (!outcome)
+        outcome = plot_read_chunks(link, id, "flow", 0, plot_chunks_of(record, "flow"), plot_chute_take_flow, plot, err);
+    if (!outcome && layers > 0)
+        outcome = plot_read_chunks(link, id, "layers", layers / 3, layers / 3 + 1, plot_chute_take_layers, plot, err);
+    return outcome;
+}
+
 static int rows_of(const cJSON *record)
 {
     bool force = plot_chunks_of(record, FORCE) > 0;
-    return force + (force && has_blows(record)) + (plot_chunks_of(record, SPECTRUM) > 0) + (plot_chunks_of(record, PROFILES) > 0) +
-           (plot_chunks_of(record, SURFACE) > 0);
+    return (plot_chunks_of(record, "walls") > 0 ? PLOT_CHUTE_ROWS : 0) + force + (force && has_blows(record)) +
+           (plot_chunks_of(record, SPECTRUM) > 0) + (plot_chunks_of(record, PROFILES) > 0) + (plot_chunks_of(record, SURFACE) > 0);
 }
 
 /* Where the next plot goes: a row of `rows`, from the top, under the title. */
@@ -157,6 +180,7 @@ static enum outcome write_script(struct link *link, const cJSON *record, struct 
     const char *id = json_text(record, "id"), *title = json_text(record, "title"), *state = json_text(record, "state");
     struct spectrum spectrum = {.script = p->script, .frequency = -1};
     struct plot_profiles profiles = {.script = p->script};
+    struct plot_chute chute = {.script = p->script};
     struct plot_surface surface = {.script = p->script};
     int row = 0, rows = rows_of(record);
     char heading[200];
@@ -166,6 +190,8 @@ static enum outcome write_script(struct link *link, const cJSON *record, struct 
     if (!outcome)
         outcome = read_newest(link, record, PROFILES "_mean", PROFILES, plot_profiles_take, &profiles, err);
     if (!outcome)
+        outcome = read_chute(link, record, &chute, err);
+    if (!outcome)
         outcome = plot_read_chunks(link, id, SURFACE, 0, plot_chunks_of(record, SURFACE), plot_surface_take, &surface, err);
     if (outcome)
         return outcome;
@@ -174,6 +200,8 @@ static enum outcome write_script(struct link *link, const cJSON *record, struct 
     plot_force_write(p, "$force", t);
     fprintf(p->script, "set multiplot ");
     picture_title(p, "title", heading, title);
+    for (int k = 0; chute.walls > 0 && k < PLOT_CHUTE_ROWS; k++, row++)
+        plot_chute_draw(&chute, k, 0.95 - 0.95 * (row + 1) / rows, 0.95 / rows);
     if (plot_chunks_of(record, FORCE) > 0) {
         place_row(p, row++, rows);
         draw_means(p, record, t);

@@ -55,7 +55,7 @@ bool plot_pair_fits(const cJSON *record)
 static void take_heights(void *context, const struct reader_chunk *chunk)
 {
     struct side *side = context;
-    int centre = plot_column_of(chunk, "centre_z"), surface = plot_column_of(chunk, "surface");
+    int centre = reader_column(chunk, "centre_z"), surface = reader_column(chunk, "surface");
     double sum = 0;
     for (size_t r = 0; r < chunk->rows; r++) {
         const double *row = chunk->values + r * chunk->columns;

@@ -4,10 +4,8 @@
 #include "plot_profiles.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "calibrate/digits.h"
-#include "plot_read.h"
 
 static const struct curve {
     int panel;
@@ -28,7 +26,7 @@ static const char *const axes[PANELS] = {"share", "u_x (m/s)", "T, impact speed 
 void plot_profiles_take(void *context, const struct reader_chunk *chunk)
 {
     struct plot_profiles *p = context;
-    int z = plot_column_of(chunk, "z"), phi = plot_column_of(chunk, "phi");
+    int z = reader_column(chunk, "z"), phi = reader_column(chunk, "phi");
     if (z < 0 || phi < 0)
         return;
     fprintf(p->script, "$profiles << EOD\n");
@@ -36,7 +34,7 @@ void plot_profiles_take(void *context, const struct reader_chunk *chunk)
         const double *row = chunk->values + r * chunk->columns;
         fprintf(p->script, "%.9g", 1e3 * row[z]);
         for (size_t k = 0; k < CURVES; k++) { // what nothing was seen of has no value
-            int c = plot_column_of(chunk, curves[k].column);
+            int c = reader_column(chunk, curves[k].column);
             bool there = c >= 0 && (row[c] != 0 || curves[k].panel == 0);
             if (there && curves[k].panel == 3)
                 p->impacts = fmax(p->impacts, row[c] * curves[k].scale);

@@ -59,13 +59,3 @@ double plot_number_of(const cJSON *record, const char *name)
     }
     return NAN;
 }
-
-int plot_column_of(const struct reader_chunk *chunk, const char *name)
-{
-    for (size_t c = 0; c < chunk->columns; c++) {
-        const char *here = cJSON_GetStringValue(cJSON_GetArrayItem(chunk->column_names, (int)c));
-        if (here && strcmp(here, name) == 0)
-            return (int)c;
-    }
-    return -1;
-}

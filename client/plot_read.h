@@ -15,7 +15,4 @@ uint64_t plot_chunks_of(const cJSON *record, const char *stream);
 /* A number of the summary; NaN where there is none of that name. */
 double plot_number_of(const cJSON *record, const char *name);
 
-/* A chunk's column by its name, -1 where it has none. */
-int plot_column_of(const struct reader_chunk *chunk, const char *name);
-
 #endif

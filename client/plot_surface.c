@@ -4,14 +4,11 @@
 #include "plot_surface.h"
 
 #include <math.h>
-#include <string.h>
-
-#include "plot_read.h"
 
 void plot_surface_take(void *context, const struct reader_chunk *chunk)
 {
     struct plot_surface *s = context;
-    int x = plot_column_of(chunk, "x"), surface = plot_column_of(chunk, "surface"), still = plot_column_of(chunk, "static");
+    int x = reader_column(chunk, "x"), surface = reader_column(chunk, "surface"), still = reader_column(chunk, "static");
     if (x < 0 || surface < 0 || still < 0)
         return;
     size_t frame = s->frames < PLOT_SURFACE_FRAMES ? s->frames++ : PLOT_SURFACE_FRAMES - 1;

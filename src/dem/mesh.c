@@ -30,7 +30,7 @@
 #include "base/vec3.h"
 
 #define SAME_NORMAL 0.97
-enum { CONTACTS_MAX = 4 }; // of one grain with one surface: the deepest; three walls meet in a corner
+enum { CONTACTS_MAX = 4, HITS_MAX = 32 }; // of one grain with one surface, the deepest: three walls meet in a corner
 
 /* ---- making ---- */
 
@@ -309,18 +309,17 @@ static size_t resolve(const struct dem *dem, const struct mesh_part *p, const st
                       struct hit out[CONTACTS_MAX])
 {
     const struct surface *s = &dem->mesh->surface[g->surface];
-    struct hit hits[32];
+    struct hit hits[HITS_MAX + 1];
     size_t count = 0, kept = 0;
     for (uint32_t k = 0; k < g->count; k++) {
-        struct hit hit;
-        if (!touch(s, p->triangle[g->from + k], at, dem->position[g->grain][3], &hit))
+        if (!touch(s, p->triangle[g->from + k], at, dem->position[g->grain][3], &hits[count]))
             continue;
-        size_t place = count < 32 ? count++ : 31; // the shallowest of very many falls off
-        if (place == 31 && count == 32 && !before(&hit, &hits[31]) && hits[31].overlap > 0)
-            continue;
-        for (; place > 0 && before(&hit, &hits[place - 1]); place--)
+        for (size_t place = count; place > 0 && before(&hits[place], &hits[place - 1]); place--) {
+            struct hit deeper = hits[place];
             hits[place] = hits[place - 1];
-        hits[place] = hit;
+            hits[place - 1] = deeper;
+        }
+        count += count < HITS_MAX; // the shallowest of very many falls off
     }
     for (size_t k = 0; k < count && kept < CONTACTS_MAX; k++) {
         bool real = true;
@@ -347,14 +346,6 @@ static struct wall_pair *goes_on(struct wall_pair *old, size_t count, const stru
     return best;
 }
 
-static void start_pair(const struct dem *dem, struct wall_pair *pair, uint32_t grain, uint32_t surface)
-{
-    memset(pair, 0, sizeof *pair);
-    pair->grain = grain;
-    pair->wall = surface;
-    pair->contact[CONTACT_R] = pair->contact[CONTACT_R1] = dem->position[grain][3];
-}
-
 /* What the springs of a contact held is lost. */
 static void end_pair(const struct dem *dem, struct mesh_part *p, const struct wall_pair *pair)
 {
@@ -376,13 +367,18 @@ static void group_contacts(struct dem *dem, struct mesh_part *p, const struct me
     size_t count = place.there ? resolve(dem, p, g, at, hits) : 0;
     for (size_t k = 0; k < count; k++) {
         struct wall_pair *pair = &p->next[p->next_count++], *was = goes_on(old, olds, &hits[k]);
+        double radius = dem->position[g->grain][3];
         if (was) {
-            *pair = *was;
+            memcpy(pair->contact, was->contact, sizeof pair->contact);
             was->touching = 0;
         } else {
-            start_pair(dem, pair, g->grain, g->surface);
+            memset(pair->contact, 0, sizeof pair->contact);
+            pair->contact[CONTACT_R] = pair->contact[CONTACT_R1] = radius;
         }
+        pair->grain = g->grain;
+        pair->wall = g->surface;
         pair->touching = 1;
+        pair->loss = (struct contact_loss){0};
         pair->partner = s->partner[hits[k].triangle];
         pair->overlap = hits[k].overlap;
         memcpy(pair->normal, hits[k].normal, sizeof pair->normal);

@@ -21,7 +21,7 @@ struct bulk {
 };
 
 /* Rows of the streams `bulk` and `energy`. */
-enum { BULK_COLUMNS = 13, ENERGY_COLUMNS = 10 };
+enum { BULK_COLUMNS = 13, ENERGY_LOST = 5, ENERGY_RESIDUAL = 9, ENERGY_COLUMNS = 10 };
 
 void bulk_measure(const struct view *view, struct bulk *out);
 void bulk_row(const struct bulk *bulk, double row[BULK_COLUMNS]);

@@ -167,6 +167,7 @@ struct record_spec {
     struct record_every flow;         // scenario chute: where the flow is, its agitation and losses
     struct record_every surface;      // continuum: free surface and static line along x
     struct record_every contact;      // scenario collision: overlap and forces of the one contact
+    struct record_every rolling;      // scenario rolling: place, velocity and spin of the sphere
     struct record_profiles profiles;  // by height: phi, u, T, impacts, share joined to the base
     struct record_log collisions;     // every contact that forms
     struct record_every connectivity; // grains that chains of contacts join to the base
@@ -178,6 +179,13 @@ struct record_spec {
 
 enum { SPEC_PARAMS_MAX = 512 };
 
+/* What the paper says, to be printed beside what came out. "{restitution}" in it stands for that number of a job's
+ * summary, "{answer}" for what a search found. */
+enum { SPEC_PAPER_MAX = 384 };
+#define SPEC_PAPER_DOC                                                                                                             \
+    "what the paper says, printed beside the result: \"published 0.97, here {restitution}\", where {...} is a number of the "      \
+    "summary, or a search's {answer}"
+
 /* What a world takes in memory, bytes a grain, lists and histories at rest included (measured: src/dem/README.md). */
 #define SPEC_BYTES_PER_GRAIN 1000.0
 /* Grains in one world: rows are numbered in 25 bits. */
@@ -187,6 +195,7 @@ struct job_spec {
     const struct scenario_fields *scenario; // never NULL once decoded
     int64_t seed;
     char title[128];
+    char paper[SPEC_PAPER_MAX];
     int64_t threads;
     int64_t priority;
     _Alignas(16) unsigned char params[SPEC_PARAMS_MAX]; // the scenario's own struct
@@ -204,7 +213,7 @@ struct job_spec {
  * more than a table: protocol/job_json.c takes them. */
 extern const struct field_table job_table;
 
-enum scenario_kind { SCENARIO_DEM, SCENARIO_MPM };
+enum scenario_kind { SCENARIO_DEM, SCENARIO_MPM, SCENARIO_CALCULATION };
 
 /* A named set-up as the user sees it. What it does is in src/scenario/. */
 struct scenario_fields {
@@ -253,6 +262,34 @@ struct collision_params { // one contact: grain 1 meets a sphere or a plane alon
     double tangential_m_s[3];    // of grain 1, relative, in the plane of contact (its z must be 0)
     double spin1_rad_s[3], spin2_rad_s[3];
     double gravity_m_s2[3];
+};
+
+enum { ROLLING_SAMPLES_MAX = 1 << 20 };
+struct rolling_params { // a sphere on a plane that may be tilted
+    double slope_deg;
+    double gravity_m_s2;
+    double speed_m_s; // down the slope at the start, without slip
+    double length_m;  // of the plane
+};
+
+enum damping_length { DAMPING_FREE, DAMPING_PUBLISHED, DAMPING_PRINTED };
+struct damping_params { // a calculation: beta from a restitution
+    double restitution, speed_m_s;
+    int length;
+};
+
+struct plastic_yield_params { // a calculation: the yield threshold from a restitution
+    double restitution, speed_m_s;
+    double at_m_s;
+};
+
+enum contact_partner { CONTACT_LIKE, CONTACT_WALL };
+struct contact_parameters_params { // a calculation: what the linear spring and dashpot takes
+    int partner;
+    double mass_kg, radius_m, inertia_kg_m2; // 0: a sphere's
+    double overlap_m, speed_m_s;
+    double stiffness; // 0: from overlap and speed, N/m
+    double restitution, restitution_t, rolling_friction, steps_per_contact;
 };
 
 enum gas_box { GAS_PERIODIC, GAS_WALLED };

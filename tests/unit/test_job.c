@@ -46,8 +46,9 @@ static void refusals_name_path_value_range_and_unit(void **state)
         {"{\"scenario\":\"incline\",\"params\":{\"nx\":1}}", "params.nx", "params.nx: 1 is outside 2..4000 grain diameters",
          SCREE_INVALID},
         {"{\"scenario\":\"inclin\"}", "scenario",
-         "scenario: \"inclin\" is none of \"incline\", \"collision\", \"chute\", \"collapse\", \"tilt\", \"layer\", \"gas\", \"settle\", "
-         "\"dam_break\"",
+         "scenario: \"inclin\" is none of \"incline\", \"collision\", \"chute\", \"collapse\", \"tilt\", \"layer\", \"gas\", "
+         "\"settle\", "
+         "\"dam_break\", \"rolling\", \"damping\", \"plastic_yield\", \"contact_parameters\"",
          SCREE_INVALID},
         {"{}", "scenario", "scenario: is missing; it names the set-up, as `scree scenarios` lists them", SCREE_INVALID},
         {"[1]", "", "the job: expected an object, got an array", SCREE_INVALID},

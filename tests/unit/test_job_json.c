@@ -278,7 +278,8 @@ static void the_schema_is_up_to_date(void **state)
 static void examples_are_accepted(void **state)
 {
     (void)state;
-    const char *const names[] = {"slidequake", "collision", "foerster", "rest"};
+    const char *const names[] = {"slidequake",      "collision",         "foerster",          "rest",
+                                 "calibrate-yield", "calibrate-rocking", "contact-parameters"};
     for (size_t k = 0; k < COUNT(names); k++) {
         char path[512];
         cJSON *json = NULL;

@@ -323,7 +323,9 @@ static void the_schema_is_up_to_date(void **state)
 static void examples_are_accepted(void **state)
 {
     (void)state;
-    const char *const names[] = {"bisect-mu_t", "slidequakes", "calibrate-beta"};
+    const char *const names[] = {"bisect-mu_t",         "slidequakes",           "calibrate-beta",
+                                 "calibrate-beta-slip", "calibrate-restitution", "calibrate-kappa",
+                                 "calibrate-beta_r",    "calibrate-mu_r",        "calibrate-step"};
     for (size_t k = 0; k < COUNT(names); k++) {
         char path[512];
         cJSON *json = NULL;

@@ -78,8 +78,11 @@ int main(int argc, char **argv)
     double steps = (double)count * (double)timed;
     printf("%zu crosses, mean speed %.3g m/s, %.2f contacts a cross, %.1f listed pairs of parts a cross\n", count, sums.speed_mean,
            2 * (double)sums.contacts / (double)count, (double)after.pairs / (double)count);
-    printf("%.3g cross-steps a CPU second; %.3f distances a cross-step; a list every %.0f steps\n", steps / spent,
-           (double)(after.queries - before.queries) / steps, (double)timed / fmax(1, (double)(after.rebuilds - before.rebuilds)));
+    printf("%.3g cross-steps a CPU second (%s); %.3f distances a cross-step, %.3f of them searched for; a list every %.0f steps; "
+           "%.0f bytes a cross\n",
+           steps / spent, convex_isa(world), (double)(after.queries - before.queries) / steps,
+           (double)(after.searches - before.searches) / steps,
+           (double)timed / fmax(1, (double)(after.rebuilds - before.rebuilds)), (double)after.bytes / (double)count);
     result = 0;
 out:
     if (result)
