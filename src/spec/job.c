@@ -373,7 +373,7 @@ void job_defaults(struct job_spec *job, const struct scenario_fields *scenario)
         scenario->defaults(job);
 }
 
-/* Records that only worlds of grains have, and one that only its own scenario has. */
+/* Records that only worlds of one kind have, and one that only its own scenario has. */
 static enum scree_status check_kind(const struct job_spec *job, struct scree_error *err)
 {
     static const char *const of_grains[] = {"profiles", "collisions", "connectivity", "spectrum", "forces"};
