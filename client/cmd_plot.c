@@ -46,10 +46,12 @@ const struct verb verb_plot = {
     .synopsis = "ID [-o FILE.png|FILE.svg] [--x COLUMN] [--y COLUMN]",
     .doc = "a picture of a job: force, spectrum, profiles; or of what a study has come to",
     .help = "Draws ID.png here, or FILE, with gnuplot (Debian: gnuplot-nox), and prints its name. Of a job: the force on\n"
-            "the base against time, averaged and with its extremes; spectrum and profiles where they are recorded. Of a search:\n"
-            "the bracket and the trials, round by round. Of a sweep: one column of its table (`scree fetch`) against\n"
-            "another, by default the first that differ; trials that differ in more get a line each. Where the force has a\n"
-            "spectrum, by default its power against the inertial number and beside what models predict.\n"
+            "the base against time, averaged and with its extremes; spectrum and profiles where they are recorded; of a flow\n"
+            "down a chute the apparatus and its section with the grains of four snapshots, the deposit from above, variance,\n"
+            "losses and layers. Of a search: the bracket and the trials, round by round. Of a sweep: one column of its table\n"
+            "(`scree fetch`) against another, by default the first that differ; trials that differ in more get a line each.\n"
+            "Where the force has a spectrum, by default its power against the inertial number and beside what models predict;\n"
+            "of flows down a chute, mobility against beta with its bars beside the published lines.\n"
             "\n"
             "  scree plot j17\n"
             "  scree plot s3 -o sweep.svg --x params.slope_deg --y mean_velocity\n",
