@@ -179,6 +179,7 @@ struct record_spec {
     struct record_every energy;       // ledger: gravity's work, kinetic, elastic, dissipated
     struct record_every snapshots;    // every grain's state
     struct record_every flow;         // scenario chute: where the flow is, its agitation and losses
+    struct record_every heap;         // rigid bodies: speeds, contacts, fabric, kind of collapse
     struct record_every contact;      // scenario collision: overlap and forces of the one contact
     struct record_profiles profiles;  // by height: phi, u, T, impacts, share joined to the base
     struct record_log collisions;     // every contact that forms
