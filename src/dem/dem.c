@@ -220,8 +220,8 @@ enum scree_status dem_create(const struct dem_setup *setup, struct dem **out, st
         dem->start_potential = dem->motion->potential(dem);
         status = dem_first_lists(dem, err);
     }
-    if (!status && !setup->overlaps)
-        status = check_overlaps(dem, err);
+    if (!status && !setup->overlaps && !(status = check_overlaps(dem, err)))
+        status = mesh_check(dem, err);
     if (status)
         dem_free(dem);
     else

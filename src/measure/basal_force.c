@@ -92,7 +92,7 @@ const struct measurement measure_basal_force = {
     .sound = sound,
 };
 
-/* The same of a continuum. What it weighs is not in the numbers: bulk sums are of grains. */
+/* The same of a continuum. */
 const struct measurement measure_basal_force_continuum = {
     .name = "basal_force",
     .kind = SCENARIO_MPM,
@@ -105,6 +105,7 @@ const struct measurement measure_basal_force_continuum = {
     .chunk = chunk,
     .start = start,
     .sample = sample,
+    .numbers = numbers,
     .used = used,
     .sound = sound,
 };

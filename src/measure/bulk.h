@@ -22,7 +22,7 @@ struct bulk {
 };
 
 /* Rows of the streams `bulk` and `energy`. */
-enum { BULK_COLUMNS = 13, ENERGY_COLUMNS = 10 };
+enum { BULK_COLUMNS = 13, ENERGY_LOST = 5, ENERGY_RESIDUAL = 9, ENERGY_COLUMNS = 10 };
 
 void bulk_measure(const struct view *view, struct bulk *out);
 /* The same of grains whose y is in [region[0], region[1]), and of their contacts; of bodies only all. */

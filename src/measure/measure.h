@@ -28,6 +28,7 @@ struct measure_site {
     size_t layers;       // grains over each point of the base: profiles reach four times as high
     struct mobility_site fall;  // of flows that are let go and come to rest; count 0 for others
     double bed, gate_x, gate_s; // of a collapse: depth of its bed, where its gate stands, when that begins to lift, m, m, s
+    double height;              // of its column over the bed, m; 0: there is no column
     bool gate;                  // is there one?
     double length_x, width_y;   // of a box in which bodies pile up; 0: there is none, m
     double calm;                // see verdict.h; 0: VERDICT_CALM

@@ -75,8 +75,9 @@ double material_contact_time(const struct material_spec *m, double speed);
  * grains that meet at `speed` is still integrated stably, s: see material.c for
  * the bound and its derivation. */
 double material_stable_step(const struct material_spec *m, double speed);
-/* A modulus of bead and wall together (eq. 33). */
+/* A modulus of bead and wall together (eq. 33); E / (1 - nu^2) of a bead's contact with such a partner (S4.4). */
 double material_wall_mean(double bead, double wall);
+double material_plane_modulus(const struct material_spec *m, int partner);
 /* Beads that meet each other at 2 v just as these meet their side wall at v: for the two functions above. */
 struct material_spec material_as_wall(const struct material_spec *m);
 
@@ -133,16 +134,30 @@ extern const struct rigid_spec rigid_crosses; // Table I
 /* Duration of a head-on contact of reduced mass m_ij, kg (eq. 12), s. */
 double rigid_contact_time(const struct rigid_spec *m, double reduced_mass);
 
-enum body_shape { BODY_CROSS, BODY_BOX, BODY_TETRAPOD, BODY_SPHERE };
+enum body_shape { BODY_CROSS, BODY_BOX, BODY_TETRAPOD, BODY_SPHERE, BODY_PRISM, BODY_CYLINDER, BODY_HULLS, BODY_SPHERES };
+enum { BODY_POINTS_TEXT = 1800, BODY_POINTS_MAX = 160, BODY_PARTS_MAX = 16 };
 struct body_spec {
     int shape;
-    double length_m, width_m, thickness_m; // of a cross' arms, a box
-    double radius_m;                       // of a sphere, or a tetrapod's legs, which are length_m long
+    double length_m, width_m, thickness_m; // of a cross' arms, a box; length_m: of a prism, a cylinder
+    double radius_m;                       // of a sphere, a prism, a cylinder, or a tetrapod's legs, which are length_m long
+    int64_t sides;                         // of a prism
+    char points_m[BODY_POINTS_TEXT];       // of hulls and spheres
 };
 extern const struct field_table body_table;
 
 double body_reach(const struct body_spec *body);  // from the centre to the farthest point, m
 double body_volume(const struct body_spec *body); // for what a job costs: a tetrapod's is its legs', counted singly, m3
+
+struct job_spec;
+/* Refuses steps too long for contacts between bodies of that mass, kg. */
+enum scree_status rigid_step_check(const struct job_spec *job, double mass, struct scree_error *err);
+
+/* `points_m` as numbers: parts one after the other, part k from first[k] on; a sphere's radius is [3], m. */
+struct body_points {
+    size_t parts, count, first[BODY_PARTS_MAX + 1];
+    double point[BODY_POINTS_MAX][4];
+};
+enum scree_status body_points(const struct body_spec *body, struct body_points *out, struct scree_error *err);
 
 /* ---- time, stop, record ---- */
 
@@ -185,7 +200,9 @@ struct record_spec {
     struct record_every energy;       // ledger: gravity's work, kinetic, elastic, dissipated
     struct record_every snapshots;    // every grain's state
     struct record_every flow;         // scenario chute: where the flow is, its agitation and losses
+    struct record_every surface;      // continuum: free surface and static line along x
     struct record_every contact;      // scenario collision: overlap and forces of the one contact
+    struct record_every rolling;      // scenario rolling: place, velocity and spin of the sphere
     struct record_profiles profiles;  // by height: phi, u, T, impacts, share joined to the base
     struct record_log collisions;     // every contact that forms
     struct record_every connectivity; // grains that chains of contacts join to the base
@@ -195,7 +212,14 @@ struct record_spec {
 
 /* ---- the job ---- */
 
-enum { SPEC_PARAMS_MAX = 512 };
+enum { SPEC_PARAMS_MAX = 2560 };
+
+/* What the paper says, to be printed beside what came out. "{restitution}" in it stands for that number of a job's
+ * summary, "{answer}" for what a search found. */
+enum { SPEC_PAPER_MAX = 384 };
+#define SPEC_PAPER_DOC                                                                                                             \
+    "what the paper says, printed beside the result: \"published 0.97, here {restitution}\", where {...} is a number of the "      \
+    "summary, or a search's {answer}"
 
 /* What a world takes in memory, bytes a grain, lists and histories at rest included (measured: src/dem/README.md). */
 #define SPEC_BYTES_PER_GRAIN 1000.0
@@ -206,6 +230,7 @@ struct job_spec {
     const struct scenario_fields *scenario; // never NULL once decoded
     int64_t seed;
     char title[128];
+    char paper[SPEC_PAPER_MAX];
     int64_t threads;
     int64_t priority;
     _Alignas(16) unsigned char params[SPEC_PARAMS_MAX]; // the scenario's own struct
@@ -223,7 +248,7 @@ struct job_spec {
  * more than a table: protocol/job_json.c takes them. */
 extern const struct field_table job_table;
 
-enum scenario_kind { SCENARIO_DEM, SCENARIO_MPM };
+enum scenario_kind { SCENARIO_DEM, SCENARIO_MPM, SCENARIO_CALCULATION };
 
 /* A named set-up as the user sees it. What it does is in src/scenario/. */
 struct scenario_fields {
@@ -280,6 +305,37 @@ struct collision_params { // one contact: grain 1 meets a sphere or a plane alon
     double gravity_m_s2[3];
 };
 
+enum { ROLLING_SAMPLES_MAX = 1 << 20 };
+struct rolling_params { // a sphere on a plane that may be tilted
+    double slope_deg;
+    double gravity_m_s2;
+    double speed_m_s; // down the slope at the start, without slip
+    double length_m;  // of the plane
+};
+
+enum damping_length { DAMPING_FREE, DAMPING_PUBLISHED, DAMPING_PRINTED };
+struct damping_params { // a calculation: beta from a restitution
+    double restitution, speed_m_s;
+    int length;
+};
+
+struct plastic_yield_params { // a calculation: the yield threshold from a restitution
+    double restitution, speed_m_s;
+    double at_m_s;
+};
+
+enum contact_partner { CONTACT_LIKE, CONTACT_WALL };
+struct contact_parameters_params { // a calculation: what the linear spring and dashpot takes
+    int partner;
+    double mass_kg, radius_m, inertia_kg_m2; // 0: a sphere's
+    double overlap_m, speed_m_s;
+    double stiffness; // 0: from overlap and speed, N/m
+    double restitution, restitution_t, rolling_friction, steps_per_contact;
+};
+
+/* What grain 1 meets, as an enum bead_partner. */
+int collision_kind(const struct job_spec *job);
+
 enum gas_box { GAS_PERIODIC, GAS_WALLED };
 struct gas_params { // grains that fly about in a cube without gravity
     int64_t n;      // grains along each edge
@@ -315,6 +371,7 @@ struct collapse_params { // seed 002, section 4: a column on an erodible bed beh
     double bed_m, box_length_m, box_height_m;
     bool plane;
     double cell_m, cell_height_m;
+    int64_t cells_across; // 0: as cell_m says
     double mu_wall, mu_gate, gate_speed_m_s, gate_tau_s, gate_wait_s;
     struct continuum_spec continuum;
 };
@@ -328,6 +385,33 @@ struct tilt_params { // seed 002, section 2.4: a bed in a box that is tilted ste
     struct continuum_spec continuum;
 };
 
+struct layer_params { // an endless layer on a slope, as a continuum
+    double slope_deg;
+    double gravity_m_s2;
+    double depth_m;
+    int64_t cells; // through the depth
+    struct continuum_spec continuum;
+};
+
+/* A clast of the user's own: what touches, and what it weighs by a closed convex polyhedron of triangles or in numbers. */
+enum { CLAST_SPHERES = 32, CLAST_VERTICES = 16, CLAST_FACES = 2 * CLAST_VERTICES - 4 };
+struct clast_spec {
+    bool on;
+    struct {
+        int64_t count;
+        double row[CLAST_SPHERES][4]; // x, y, z, radius, m
+    } spheres;
+    struct {
+        int64_t count;
+        double row[CLAST_VERTICES][3]; // m
+    } vertices;
+    struct {
+        int64_t count;
+        double row[CLAST_FACES][3]; // numbers of vertices
+    } faces;
+    double mass_kg, centre_m[3], moments_kg_m2[3], products_kg_m2[3]; // without faces
+};
+
 enum chute_accelerator { ACCELERATOR_CHUTE, ACCELERATOR_GATE };
 struct chute_params { // seed 003: angular fragments down a curved chute
     double mass_g, size_m;
@@ -339,6 +423,7 @@ struct chute_params { // seed 003: angular fragments down a curved chute
     double gate_m_s;            // speed at which the gate slides off; 0: it vanishes at the start
     double gravity_m_s2;
     double floor_m, width_m, side_deg, guard_m, run_m, gate_m, flatness; // geometry; flatness in sizes
+    struct clast_spec clast;
 };
 
 struct settle_params { // seed 001: bodies poured into a box come to rest

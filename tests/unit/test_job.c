@@ -46,8 +46,10 @@ static void refusals_name_path_value_range_and_unit(void **state)
         {"{\"scenario\":\"incline\",\"params\":{\"nx\":1}}", "params.nx", "params.nx: 1 is outside 2..4000 grain diameters",
          SCREE_INVALID},
         {"{\"scenario\":\"inclin\"}", "scenario",
-         "scenario: \"inclin\" is none of \"incline\", \"collision\", \"chute\", \"collapse\", \"tilt\", \"gas\", \"settle\", "
-         "\"dam_break\"",
+         "scenario: \"inclin\" is none of \"incline\", \"channel\", \"collision\", \"chute\", \"collapse\", \"tilt\", \"layer\", "
+         "\"gas\", "
+         "\"settle\", "
+         "\"dam_break\", \"rolling\", \"damping\", \"plastic_yield\", \"contact_parameters\"",
          SCREE_INVALID},
         {"{}", "scenario", "scenario: is missing; it names the set-up, as `scree scenarios` lists them", SCREE_INVALID},
         {"[1]", "", "the job: expected an object, got an array", SCREE_INVALID},
@@ -136,6 +138,12 @@ static void randomise(struct rng *rng, const struct field_table *table, void *ob
         case FIELD_VEC3:
             for (int a = 0; a < 3; a++)
                 ((double *)value)[a] = random_real(rng, row->min, row->max);
+            break;
+        case FIELD_ROWS:
+            length = rng_next(rng) % (row->size + 1);
+            *(int64_t *)value = (int64_t)length;
+            for (size_t c = 0; c < length * row->columns; c++)
+                field_rows_numbers(value)[c] = random_real(rng, row->min, row->max);
             break;
         case FIELD_ENUM:
             *(int *)value = (int)(rng_next(rng) % choices);
