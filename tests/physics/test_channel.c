@@ -282,8 +282,8 @@ static void grains_stay_between_wall_and_midline(void **state)
         double slack = (i < view.moving ? 1 : 0.99) * view.position[i][3];
         assert_true(view.position[i][1] >= slack && view.position[i][1] <= width - slack);
     }
-    for (int k = 0; k < 300; k++) {
-        assert_int_equal(dem_advance(dem, 1000, NULL), SCREE_OK);
+    for (int k = 0; k < 3000; k++) {
+        assert_int_equal(dem_advance(dem, 100, NULL), SCREE_OK);
         assert_int_equal(dem_view(dem, &view, NULL), SCREE_OK);
         for (size_t i = 0; i < view.moving; i++)
             assert_true(view.position[i][1] > 0.98 * view.position[i][3] &&
