@@ -64,6 +64,7 @@ static const struct field series_fields[] = {
 static const struct field bulk_fields[] = {EVERY(1e-3, "interval between samples")};
 static const struct field snapshot_fields[] = {EVERY(1e-2, "interval between frames")};
 static const struct field flow_fields[] = {EVERY(0.1, "interval between samples")};
+static const struct field surface_fields[] = {EVERY(1.0 / 15, "interval between frames")};
 _Static_assert(offsetof(struct record_series, every_s) == sizeof(double) &&
                    offsetof(struct record_every, every_s) == sizeof(double),
                "EVERY takes the interval to follow the switch");
@@ -74,6 +75,7 @@ static const struct field_table bulk_table = {"bulk", "", bulk_fields, COUNT(bul
 static const struct field_table snapshot_table = {"snapshots", "", snapshot_fields, COUNT(snapshot_fields),
                                                   sizeof(struct record_every)};
 static const struct field_table flow_table = {"flow", "", flow_fields, COUNT(flow_fields), sizeof(struct record_every)};
+static const struct field_table surface_table = {"surface", "", surface_fields, COUNT(surface_fields), sizeof(struct record_every)};
 static const struct field_table contact_table = {"contact", "", NULL, 0, sizeof(struct record_every)};
 
 static const struct field profiles_fields[] = {
@@ -168,6 +170,7 @@ static const struct field rolling_fields[] = {
 };
 static const struct field_table rolling_table = {"rolling", "", rolling_fields, COUNT(rolling_fields), sizeof(struct record_every)};
 static const struct field connectivity_fields[] = {EVERY(1e-3, "interval between samples")};
+static const struct field heap_fields[] = {EVERY(5e-3, "interval between samples")};
 static const struct field forces_fields[] = {EVERY(1e-2, "interval between frames")};
 static const struct field_table profiles_table = {"profiles", "", profiles_fields, COUNT(profiles_fields),
                                                   sizeof(struct record_profiles)};
@@ -177,6 +180,7 @@ static const struct field_table spectrum_table = {"spectrum", "", spectrum_field
                                                   sizeof(struct record_spectrum)};
 static const struct field_table connectivity_table = {"connectivity", "", connectivity_fields, COUNT(connectivity_fields),
                                                       sizeof(struct record_every)};
+static const struct field_table heap_table = {"heap", "", heap_fields, COUNT(heap_fields), sizeof(struct record_every)};
 static const struct field_table forces_table = {"forces", "", forces_fields, COUNT(forces_fields), sizeof(struct record_every)};
 
 static const struct field record_fields[] = {
@@ -220,6 +224,14 @@ static const struct field record_fields[] = {
      .doc = "scenario chute: place, transverse agitation and energy lost of the flow's central 5 cm",
      .source = "seed 003 3.4",
      .table = &flow_table},
+    {.name = "surface",
+     .type = FIELD_SWITCH,
+     .offset = offsetof(struct record_spec, surface),
+     .preset = 0,
+     .unit = "",
+     .doc = "continuum: free surface and line between static and flowing along the channel, a frame an instant",
+     .source = "seed 002 section 4.2",
+     .table = &surface_table},
     {.name = "contact",
      .type = FIELD_SWITCH,
      .offset = offsetof(struct record_spec, contact),
@@ -276,6 +288,14 @@ static const struct field record_fields[] = {
      .doc = "the network of contacts, a frame an instant",
      .source = "seed 000, movies S2 and S3",
      .table = &forces_table},
+    {.name = "heap",
+     .type = FIELD_SWITCH,
+     .offset = offsetof(struct record_spec, heap),
+     .preset = 0,
+     .unit = "",
+     .doc = "rigid bodies: speeds on the way, contacts and fabric when the gate goes or at the end, kind of collapse",
+     .source = "seed 001 IV",
+     .table = &heap_table},
 };
 static const struct field_table record_table = {"record", "", record_fields, COUNT(record_fields), sizeof(struct record_spec)};
 
@@ -363,7 +383,7 @@ void job_defaults(struct job_spec *job, const struct scenario_fields *scenario)
         scenario->defaults(job);
 }
 
-/* Records that only worlds of grains have, and one that only its own scenario has. */
+/* Records that only worlds of one kind have, and one that only its own scenario has. */
 static enum scree_status check_kind(const struct job_spec *job, struct scree_error *err)
 {
     static const char *const of_grains[] = {"profiles", "collisions", "connectivity", "spectrum", "forces"};
@@ -377,6 +397,12 @@ static enum scree_status check_kind(const struct job_spec *job, struct scree_err
             return scree_fail(err, SCREE_INVALID, path, "%s: is for worlds of grains, and scenario %s is a continuum", path,
                               job->scenario->name);
         }
+    if (job->record.surface.on && job->scenario->kind != SCENARIO_MPM)
+        return scree_fail(err, SCREE_INVALID, "record.surface", "record.surface: is for continua, and scenario %s is none",
+                          job->scenario->name);
+    if (job->record.heap.on && scenario_material(job->scenario)->table != &rigid_table)
+        return scree_fail(err, SCREE_INVALID, "record.heap", "record.heap: is for worlds of rigid bodies, and scenario %s has none",
+                          job->scenario->name);
     return SCREE_OK;
 }
 

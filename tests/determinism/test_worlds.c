@@ -53,6 +53,16 @@ static void collapse(struct job_spec *job)
     assert_int_equal(job_check(job, 0, NULL), SCREE_OK);
 }
 
+/* An endless layer that begins to flow, with frames of its surface. */
+static void layer(struct job_spec *job)
+{
+    job_defaults(job, &scenario_layer_fields);
+    job->time.end_s = 0.2;
+    job->record.surface.every_s = 0.02;
+    job->record.bulk.every_s = 0.01;
+    assert_int_equal(job_check(job, 0, NULL), SCREE_OK);
+}
+
 /* Crosses in the air, then in contact with each other and the walls, and a gate that rubs while it goes. */
 static void dam_break(struct job_spec *job)
 {
@@ -241,12 +251,15 @@ static void bits_are_those_of_the_golden_hashes(void **state)
 
 int main(void)
 {
-    static struct job_of a_collapse = {collapse, 53}, a_dam_break = {dam_break, 33000}, a_sphere = {rolling, 5000},
-                         an_impact = {impact, 5000};
+    static struct job_of a_collapse = {collapse, 53}, a_layer = {layer, 170}, a_dam_break = {dam_break, 33000},
+                         a_sphere = {rolling, 5000}, an_impact = {impact, 5000};
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_prestate(slices_and_threads_do_not_show, &a_collapse),
         cmocka_unit_test_prestate(a_fork_goes_on_alike, &a_collapse),
         cmocka_unit_test_prestate(a_restart_does_not_show, &a_collapse),
+        cmocka_unit_test_prestate(slices_and_threads_do_not_show, &a_layer),
+        cmocka_unit_test_prestate(a_fork_goes_on_alike, &a_layer),
+        cmocka_unit_test_prestate(a_restart_does_not_show, &a_layer),
         cmocka_unit_test_prestate(slices_and_threads_do_not_show, &a_dam_break),
         cmocka_unit_test_prestate(a_fork_goes_on_alike, &a_dam_break),
         cmocka_unit_test_prestate(a_restart_does_not_show, &a_dam_break),
