@@ -7,6 +7,7 @@
 
 #include "output.h"
 #include "plot.h"
+#include "plot_mobility.h"
 #include "plot_models.h"
 #include "plot_pair.h"
 #include "spec/field.h"
@@ -411,30 +412,44 @@ static enum outcome draw_sweep(const cJSON *record, const cJSON *table, const st
     return OUTCOME_DONE;
 }
 
-/* Flows whose force has a spectrum. */
-static enum outcome draw_powers(const cJSON *record, const cJSON *table, struct picture *p)
+/* Sweeps that a paper has a figure of: drawn like it, unless columns are named. */
+static const struct special {
+    bool (*fits)(const cJSON *table);
+    void (*draw)(struct picture *picture, const cJSON *table);
+    int width, height;
+} specials[] = {{plot_models_fit, plot_models_draw, WIDTH, HEIGHT},
+                {plot_mobility_fit, plot_mobility_draw, PLOT_MOBILITY_WIDTH, PLOT_MOBILITY_HEIGHT}};
+
+static const struct special *special_of(const cJSON *table)
 {
-    heading(p, record, "set multiplot title");
-    plot_models_draw(p, table);
-    fprintf(p->script, "unset multiplot\n");
-    return OUTCOME_DONE;
+    for (size_t k = 0; table && k < sizeof specials / sizeof *specials; k++)
+        if (specials[k].fits(table))
+            return &specials[k];
+    return NULL;
 }
 
 enum outcome plot_study(struct link *link, const cJSON *record, const struct plot_sweep *how, const char *file,
                         struct scree_error *err)
 {
-    struct picture picture;
+    struct picture picture = {0};
     cJSON *table = NULL;
     const char *kind = json_text(record, "kind"), *id = json_text(record, "id");
-    bool search = kind && strcmp(kind, "sweep") != 0 && !how->x && !how->y;
-    enum outcome outcome = picture_start(&picture, file, WIDTH, HEIGHT, err);
+    bool named = how->x || how->y, search = kind && strcmp(kind, "sweep") != 0 && !named;
+    bool pair = !named && !search && plot_pair_fits(record);
+    enum outcome outcome = search || pair ? OUTCOME_DONE : link_job(link, "table", id ? id : "", &table, err);
+    const struct special *special = named ? NULL : special_of(table);
+    if (!outcome)
+        outcome = picture_start(&picture, file, special ? special->width : WIDTH, special ? special->height : HEIGHT, err);
     if (!outcome && search)
         outcome = draw_search(record, &picture, err);
-    else if (!outcome && !how->x && !how->y && plot_pair_fits(record))
+    else if (!outcome && pair)
         outcome = plot_pair_draw(link, record, &picture, err);
-    else if (!outcome && !(outcome = link_job(link, "table", id ? id : "", &table, err)))
-        outcome = !how->x && !how->y && plot_models_fit(table) ? draw_powers(record, table, &picture)
-                                                               : draw_sweep(record, table, how, &picture, err);
+    else if (!outcome && special) {
+        heading(&picture, record, "set multiplot title");
+        special->draw(&picture, table);
+        fprintf(picture.script, "unset multiplot\n");
+    } else if (!outcome)
+        outcome = draw_sweep(record, table, how, &picture, err);
     if (!outcome)
         outcome = picture_draw(&picture, err);
     picture_free(&picture);

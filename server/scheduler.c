@@ -181,8 +181,10 @@ void scheduler_enter(struct scheduler *s, struct job *job, enum job_state state)
     }
     job->late = false;
     scheduler_set_state(s, job, state);
-    if (job_state_ended(state))
+    if (job_state_ended(state)) {
         steering_ended(s, job);
+        restart_forget(s, job);
+    }
 }
 
 static void fail_job(struct scheduler *s, struct job *job, const struct scree_error *error)

@@ -61,9 +61,9 @@ SIMD_INLINE double highest(const struct side *s, struct vec3 d)
 
 /* ---- distance ---- */
 
-#define FLAT      1e-12 // as in geom/gjk.c
-#define CONVERGED 1e-13
-#define ROUNDING  1e-15
+#define FLAT     1e-12 // as in geom/gjk.c
+#define TOUCHING 1e-26 // square of the distance over that of the size, as there
+#define ROUNDING 4e-15 // by which the corners' own heights along v may differ from v.v, over the square of their size
 
 /* Shares of one to three corners of the difference in its point that is nearest to the origin; false where that lies on
  * the rim or the corners span nothing. */
@@ -116,7 +116,7 @@ SIMD_INLINE bool distance_again(const struct side *a, const struct side *b, cons
     }
     double vv = vec3_dot(v, v);
     double nearest = vec3_dot(v, apart) - highest(b, vec3_scale(v, -1)) - highest(a, v);
-    if (!(vv > ROUNDING * size2 && vv - nearest <= CONVERGED * vv + ROUNDING * sqrt(vv * size2)))
+    if (!(vv > TOUCHING * size2 && vv - nearest <= ROUNDING * size2))
         return false;
     out->distance = sqrt(vv);
     out->normal = vec3_scale(v, 1 / out->distance);

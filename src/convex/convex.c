@@ -122,7 +122,7 @@ static void make_outlines(struct convex *c, size_t shapes)
     }
 }
 
-enum { SKIN_SHARE = 8 }; // of the smallest reach
+enum { SKIN_SHARE = 12 }; // of the smallest reach
 
 static enum scree_status make_arrays(struct convex *c, const struct convex_setup *s, struct scree_error *err)
 {

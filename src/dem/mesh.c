@@ -137,6 +137,25 @@ static double distance_to(const struct surface *s, uint32_t triangle, const doub
     return sqrt(vec3_dot(d, d));
 }
 
+enum scree_status mesh_check(const struct dem *dem, struct scree_error *err)
+{
+    for (size_t k = 0; dem->mesh && k < dem->mesh->count; k++)
+        for (size_t i = 0; i < dem->moving; i++) {
+            const struct surface *s = &dem->mesh->surface[k];
+            const double *x = dem->position[i];
+            uint32_t found[64];
+            size_t count = trimesh_near(s->mesh, x, x[3], found, 64);
+            for (size_t f = 0; f < count && f < 64; f++) {
+                double overlap = x[3] - distance_to(s, found[f], x);
+                if (overlap > 1e-9 * x[3])
+                    return scree_fail(err, SCREE_INVALID, "params",
+                                      "grain %u starts %.3g m deep in triangle %u of surface %zu (walls and gates must be clear)",
+                                      dem->id[i], overlap, found[f], k);
+            }
+        }
+    return SCREE_OK;
+}
+
 /* ---- lists ---- */
 
 /* Triangles of a surface within `radius` of a point; *count of them in p->found. */

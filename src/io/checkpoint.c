@@ -36,9 +36,6 @@ static uint64_t hash_bytes(uint64_t hash, const void *data, size_t size)
 /* Every value of the table, by its rows: padding and switched-off parts do not count. */
 static uint64_t hash_table(uint64_t hash, const struct field_table *table, const void *object)
 {
-    static const size_t sizes[] = {
-        [FIELD_REAL] = sizeof(double),     [FIELD_INT] = sizeof(int64_t), [FIELD_BOOL] = sizeof(bool),
-        [FIELD_VEC3] = 3 * sizeof(double), [FIELD_ENUM] = sizeof(int),    [FIELD_FLAGS] = sizeof(unsigned)};
     for (size_t k = 0; k < table->count; k++) {
         const struct field *row = &table->fields[k];
         const char *value = (const char *)object + row->offset;
@@ -49,7 +46,7 @@ static uint64_t hash_table(uint64_t hash, const struct field_table *table, const
         if (row->type == FIELD_GROUP || (row->type == FIELD_SWITCH && *(const bool *)(const void *)value))
             hash = hash_table(hash, row->table, value);
         else if (row->type != FIELD_SWITCH && row->type != FIELD_GROUP)
-            hash = hash_bytes(hash, value, sizes[row->type]);
+            hash = hash_bytes(hash, value, field_value_size(row));
     }
     return hash;
 }

@@ -24,7 +24,7 @@ struct measure_site {
     double diameter;     // of a grain, m
     double density;      // of its material, kg/m3
     double area_z;       // area that sums along z are per: the whole base, or its part within `region`; 0: nothing flows on it, m2
-    double region[2];    // y of what counts, m: [from, to)
+    double region[2];    // y of what is measured, m: [from, to); all of it, but verdicts and the ledger of energy
     size_t layers;       // grains over each point of the base: profiles reach four times as high
     struct mobility_site fall;  // of flows that are let go and come to rest; count 0 for others
     double bed, gate_x, gate_s; // of a collapse: depth of its bed, where its gate stands, when that begins to lift, m, m, s
@@ -45,6 +45,7 @@ struct measure_context {
     size_t moving, fixed; // grains
     struct verdict verdict;
     struct bulk last;    // the newest sums over grains: of this sample's view, if it has one
+    struct bulk here;    // the same over those within the site's region
     double start_energy; // of the grains at t = 0, kinetic and elastic, J
     bool stop;           // a measurement has seen the end
 };

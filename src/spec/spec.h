@@ -12,6 +12,21 @@
 
 /* ---- material: glass-like spheres of seed 000 (law "hertz-mindlin-rolling") ---- */
 
+/* What beads of that law may touch. Floors are of the beads' own matter. */
+enum bead_partner { BEAD_BEAD, BEAD_WALL, BEAD_MIRROR };
+struct material_wall { // a side wall of another matter (S4.4)
+    int preset;
+    double young_Pa, poisson; // E_w, nu_w
+    double beta_s;            // beta_w, in place of beta
+    double mu;                // mu_w, in place of mu_t
+};
+extern const struct field_table material_wall_table;
+#define MATERIAL_PMMA                                                                                                              \
+    {                                                                                                                              \
+        .young_Pa = 3.3e9, .poisson = 0.4, .beta_s = 200e-9, .mu = 0.10510423526567647                                             \
+    } // mu_w: tan 6 deg
+extern const struct material_wall material_pmma;
+
 struct material_spec {
     char preset[48];      // name of the published material that the other values start from
     double radius_m;      // median radius
@@ -25,6 +40,7 @@ struct material_spec {
     double beta_r_s;       // rolling damping (eq. 24)
     double mu_r;           // rolling friction (eq. 25)
     double torsion_factor; // k_n = factor * G * a^3 (eq. 14): 16/3 as printed, 8/3 for two like bodies in series
+    struct material_wall wall;
 };
 extern const struct field_table material_table;
 
@@ -34,7 +50,7 @@ struct material_kind {
     const char *law; // its name
     const struct field_table *table;
 };
-extern const struct material_kind material_beads, material_fragments, material_rigid;
+extern const struct material_kind material_beads, material_walls, material_fragments, material_rigid;
 
 /* A published material: its values and what a reader must know about them. */
 struct material_preset {
@@ -59,6 +75,10 @@ double material_contact_time(const struct material_spec *m, double speed);
  * grains that meet at `speed` is still integrated stably, s: see material.c for
  * the bound and its derivation. */
 double material_stable_step(const struct material_spec *m, double speed);
+/* A modulus of bead and wall together (eq. 33). */
+double material_wall_mean(double bead, double wall);
+/* Beads that meet each other at 2 v just as these meet their side wall at v: for the two functions above. */
+struct material_spec material_as_wall(const struct material_spec *m);
 
 /* ---- material: angular fragments of seed 003 (law "hertz-mindlin-tsuji") ---- */
 
@@ -113,16 +133,30 @@ extern const struct rigid_spec rigid_crosses; // Table I
 /* Duration of a head-on contact of reduced mass m_ij, kg (eq. 12), s. */
 double rigid_contact_time(const struct rigid_spec *m, double reduced_mass);
 
-enum body_shape { BODY_CROSS, BODY_BOX, BODY_TETRAPOD, BODY_SPHERE };
+enum body_shape { BODY_CROSS, BODY_BOX, BODY_TETRAPOD, BODY_SPHERE, BODY_PRISM, BODY_CYLINDER, BODY_HULLS, BODY_SPHERES };
+enum { BODY_POINTS_TEXT = 1800, BODY_POINTS_MAX = 160, BODY_PARTS_MAX = 16 };
 struct body_spec {
     int shape;
-    double length_m, width_m, thickness_m; // of a cross' arms, a box
-    double radius_m;                       // of a sphere, or a tetrapod's legs, which are length_m long
+    double length_m, width_m, thickness_m; // of a cross' arms, a box; length_m: of a prism, a cylinder
+    double radius_m;                       // of a sphere, a prism, a cylinder, or a tetrapod's legs, which are length_m long
+    int64_t sides;                         // of a prism
+    char points_m[BODY_POINTS_TEXT];       // of hulls and spheres
 };
 extern const struct field_table body_table;
 
 double body_reach(const struct body_spec *body);  // from the centre to the farthest point, m
 double body_volume(const struct body_spec *body); // for what a job costs: a tetrapod's is its legs', counted singly, m3
+
+struct job_spec;
+/* Refuses steps too long for contacts between bodies of that mass, kg. */
+enum scree_status rigid_step_check(const struct job_spec *job, double mass, struct scree_error *err);
+
+/* `points_m` as numbers: parts one after the other, part k from first[k] on; a sphere's radius is [3], m. */
+struct body_points {
+    size_t parts, count, first[BODY_PARTS_MAX + 1];
+    double point[BODY_POINTS_MAX][4];
+};
+enum scree_status body_points(const struct body_spec *body, struct body_points *out, struct scree_error *err);
 
 /* ---- time, stop, record ---- */
 
@@ -166,6 +200,7 @@ struct record_spec {
     struct record_every snapshots;    // every grain's state
     struct record_every flow;         // scenario chute: where the flow is, its agitation and losses
     struct record_every surface;      // continuum: free surface and static line along x
+    struct record_every heap;         // rigid bodies: speeds, contacts, fabric, kind of collapse
     struct record_every contact;      // scenario collision: overlap and forces of the one contact
     struct record_every rolling;      // scenario rolling: place, velocity and spin of the sphere
     struct record_profiles profiles;  // by height: phi, u, T, impacts, share joined to the base
@@ -177,7 +212,7 @@ struct record_spec {
 
 /* ---- the job ---- */
 
-enum { SPEC_PARAMS_MAX = 512 };
+enum { SPEC_PARAMS_MAX = 2560 };
 
 /* What the paper says, to be printed beside what came out. "{restitution}" in it stands for that number of a job's
  * summary, "{answer}" for what a search found. */
@@ -246,14 +281,20 @@ const struct material_kind *scenario_material(const struct scenario_fields *scen
 
 /* ---- params of each scenario ---- */
 
-struct incline_params { // seed 000: steady flow down a rough incline, periodic in x and y
+struct incline_params { // seed 000: steady flow down a rough slope, periodic in x; in y, too, or in scenario channel between sides
     double slope_deg;
     double gravity_m_s2;
     int64_t nx, ny, nz; // in grain diameters; nx * ny * nz grains flow
     int64_t base_seed;  // of the fixed base's realisation
 };
 
-enum collision_partner { PARTNER_SPHERE, PARTNER_FIXED_SPHERE, PARTNER_PLANE };
+enum collision_partner {
+    PARTNER_SPHERE,
+    PARTNER_FIXED_SPHERE,
+    PARTNER_PLANE,
+    PARTNER_WALL,
+    PARTNER_MIRROR
+};                        // planes from PLANE on
 struct collision_params { // one contact: grain 1 meets a sphere or a plane along z
     int partner;
     double speed_m_s;            // closing speed along the normal
@@ -349,6 +390,25 @@ struct layer_params { // an endless layer on a slope, as a continuum
     struct continuum_spec continuum;
 };
 
+/* A clast of the user's own: what touches, and what it weighs by a closed convex polyhedron of triangles or in numbers. */
+enum { CLAST_SPHERES = 32, CLAST_VERTICES = 16, CLAST_FACES = 2 * CLAST_VERTICES - 4 };
+struct clast_spec {
+    bool on;
+    struct {
+        int64_t count;
+        double row[CLAST_SPHERES][4]; // x, y, z, radius, m
+    } spheres;
+    struct {
+        int64_t count;
+        double row[CLAST_VERTICES][3]; // m
+    } vertices;
+    struct {
+        int64_t count;
+        double row[CLAST_FACES][3]; // numbers of vertices
+    } faces;
+    double mass_kg, centre_m[3], moments_kg_m2[3], products_kg_m2[3]; // without faces
+};
+
 enum chute_accelerator { ACCELERATOR_CHUTE, ACCELERATOR_GATE };
 struct chute_params { // seed 003: angular fragments down a curved chute
     double mass_g, size_m;
@@ -360,6 +420,7 @@ struct chute_params { // seed 003: angular fragments down a curved chute
     double gate_m_s;            // speed at which the gate slides off; 0: it vanishes at the start
     double gravity_m_s2;
     double floor_m, width_m, side_deg, guard_m, run_m, gate_m, flatness; // geometry; flatness in sizes
+    struct clast_spec clast;
 };
 
 struct settle_params { // seed 001: bodies poured into a box come to rest

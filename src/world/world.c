@@ -79,11 +79,20 @@ void world_look(struct scree_world *w)
     w->context.fixed = counts.fixed;
 }
 
+static void bulk_sums(struct scree_world *w, const struct view *view)
+{
+    const double *region = w->context.site.region;
+    bulk_measure(view, &w->context.last);
+    w->context.here = w->context.last;
+    if (isfinite(region[0]) || isfinite(region[1]))
+        bulk_measure_within(view, region, &w->context.here);
+}
+
 static enum scree_status take_view(struct scree_world *w, struct measure_now *now, struct scree_error *err)
 {
     enum scree_status status = w->kind->view(w->body, now, err);
     if (!status && now->grains)
-        bulk_measure(now->grains, &w->context.last);
+        bulk_sums(w, now->grains);
     if (!status && now->points)
         w->context.last = (struct bulk){.mass = now->points->density * now->points->volume};
     return status;

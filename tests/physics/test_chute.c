@@ -141,6 +141,94 @@ static void impossible_flows_are_refused(void **state)
     refused(&job, "params.mass_g", "are not one fragment");
 }
 
+/* ---- clasts of the user's own ---- */
+
+/* A cube of edge a by its triangles, with the eight spheres of the published one in it. */
+static void own_cube(struct job_spec *job, double a)
+{
+    static const double faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                                        {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+    struct clast_spec *c = &params(job)->clast;
+    c->on = true;
+    c->spheres.count = c->vertices.count = 8;
+    c->faces.count = 12;
+    memcpy(c->faces.row, faces, sizeof faces);
+    for (int k = 0; k < 8; k++) {
+        for (int i = 0; i < 3; i++) {
+            double side = k >> i & 1 ? 0.5 : -0.5;
+            c->vertices.row[k][i] = side * a;
+            c->spheres.row[k][i] = 0.5 * side * a;
+        }
+        c->spheres.row[k][3] = 0.25 * a * (1 - 1e-9);
+    }
+}
+
+static struct clump own_shape(struct job_spec *job, size_t *count)
+{
+    struct clump shapes[FRAGMENT_SHAPES];
+    struct dem_body *bodies = NULL;
+    struct scree_error error = {0};
+    must(job_check(job, 0, &error), &error);
+    must(fragments_fill(job, shapes, &bodies, count, &error), &error);
+    free(bodies);
+    return shapes[0];
+}
+
+/* By polyhedron or in numbers: what comes out is the cube of the paper. */
+static void a_clast_of_ones_own_can_be_the_published_cube(void **state)
+{
+    (void)state;
+    const double a = 3e-3, mass = 2700 * a * a * a, moment = mass * a * a / 6;
+    struct job_spec job = chute_job(9, a);
+    size_t count;
+    own_cube(&job, a);
+    struct clump by_faces = own_shape(&job, &count);
+    assert_int_equal(count, (int)round(9e-3 / mass));
+    struct clast_spec *c = &params(&job)->clast;
+    c->faces.count = 0;
+    c->mass_kg = mass;
+    for (int i = 0; i < 3; i++)
+        c->moments_kg_m2[i] = moment;
+    struct clump by_numbers = own_shape(&job, &count);
+    assert_int_equal(count, (int)round(9e-3 / mass));
+    assert_true(fabs(by_faces.mass / mass - 1) < 1e-12 && by_numbers.mass == mass);
+    assert_true(fabs(by_faces.volume / by_numbers.volume - 1) < 1e-12 && by_faces.spheres == 8);
+    for (int i = 0; i < 3; i++)
+        assert_true(fabs(by_faces.inertia[i] / moment - 1) < 1e-12 && fabs(by_numbers.inertia[i] / moment - 1) < 1e-12);
+    struct dem *dem = NULL;
+    struct scree_error error = {0};
+    must(scenario_implementation("chute")->build(&job, NULL, 1, &dem, &error), &error);
+    must(dem_advance(dem, 100, &error), &error);
+    dem_free(dem);
+}
+
+static void impossible_clasts_are_refused(void **state)
+{
+    (void)state;
+    struct job_spec job = chute_job(9, 3e-3);
+    own_cube(&job, 3e-3);
+    struct clast_spec *c = &params(&job)->clast, whole = *c;
+    c->spheres.row[5][0] += 1e-5;
+    refused(&job, "params.clast", "params.clast: sphere 5 leaves its polyhedron through triangle 10 by 1e-05 m");
+    *c = whole;
+    c->faces.count = 11;
+    refused(&job, "params.clast", "params.clast: the mesh is open: triangle");
+    *c = whole;
+    c->faces.row[4][1] = 8;
+    refused(&job, "params.clast.faces", "triangle 4 has no such vertex");
+    *c = whole;
+    c->mass_kg = 1e-5;
+    refused(&job, "params.clast.mass_kg", "faces give the mass already");
+    c->faces.count = 0;
+    refused(&job, "params.clast", "moments of inertia must be positive: one is 0");
+    c->mass_kg = 0;
+    refused(&job, "params.clast", "mass must be positive, not 0");
+    c->spheres.row[2][3] = 0;
+    refused(&job, "params.clast.spheres", "sphere 2 has no radius");
+    c->spheres.count = 0;
+    refused(&job, "params.clast.spheres", "needs a sphere");
+}
+
 /* ---- measurements on views made by hand ---- */
 
 enum { ROW = 40 };
@@ -352,6 +440,8 @@ int main(void)
         cmocka_unit_test(counts_are_those_of_the_mass_fractions),
         cmocka_unit_test(initial_compaction_is_as_asked),
         cmocka_unit_test(impossible_flows_are_refused),
+        cmocka_unit_test(a_clast_of_ones_own_can_be_the_published_cube),
+        cmocka_unit_test(impossible_clasts_are_refused),
         cmocka_unit_test(mobility_is_that_of_the_largest_connected_part),
         cmocka_unit_test(ranks_tell_where_the_largest_are),
         cmocka_unit_test(agitation_and_losses_of_the_central_part),
