@@ -14,6 +14,7 @@ struct view_contact {
     uint32_t on_base;                // 1: b is a grain of the base, or a wall of it
     double overlap;                  // m
     double normal[3];                // from a to b
+    double point[3];                 // where they touch, in worlds of rigid bodies; zero in others, m
     double approach;                 // rate of overlap, m/s (positive while loading)
     double force[3];                 // of a on b, N, normal and tangential together
     double force_normal;             // component along the normal, N; slightly negative at the end of a damped contact

@@ -2,7 +2,7 @@
 /* Making, stepping and looking at a world of convex bodies.
  *
  * The step is velocity Verlet, as the paper's; rotation is the free rotation of
- * quat.h between two halves of the torque's kick. Forces see the velocities of
+ * quat.h between two halves of the torque's kick (motion_kernel.c). Forces see the velocities of
  * half a step before: dashpots are first order in the step, which its twenty
  * steps a contact are made for. */
 #include "convex/convex.h"
@@ -18,16 +18,21 @@ void convex_free(struct convex *c)
 {
     if (!c)
         return;
-    free(c->shapes);
-    free(c->walls);
-    free(c->body);
-    free(c->order);
-    free(c->travel_then);
-    free(c->near.pair);
-    free(c->wall.pair);
-    free(c->old.pair);
+    void *const owned[] = {c->shapes,     c->outlines,   c->own,        c->walls,     c->body,     c->corner,    c->order,
+                           c->near.group, c->near.pair,  c->wall.group, c->wall.pair, c->old.group, c->old.pair, c->contact,
+                           c->spare};
+    for (size_t k = 0; k < sizeof owned / sizeof *owned; k++)
+        free(owned[k]);
     convex_frame_free(c->frame);
     free(c);
+}
+
+extern const struct convex_kernels convex_kernels_v2, convex_kernels_v3, convex_kernels_v4;
+
+const struct convex_kernels *convex_kernels_for(enum cpu_isa isa)
+{
+    static const struct convex_kernels *const all[CPU_ISA_COUNT] = {&convex_kernels_v2, &convex_kernels_v3, &convex_kernels_v4};
+    return all[isa];
 }
 
 static enum scree_status check(const struct convex_setup *s, struct scree_error *err)
@@ -53,54 +58,116 @@ static enum scree_status check(const struct convex_setup *s, struct scree_error 
 
 void convex_look_around(struct body *b)
 {
-    b->turn = quat_turn(b->spin.orientation);
-    const struct vec3 m = b->spin.momentum, own = {m.x * b->inverse.x, m.y * b->inverse.y, m.z * b->inverse.z};
-    b->omega = turn_out(&b->turn, own);
+    const struct turn turn = quat_turn(quat_load(b->orientation));
+    const struct vec3 m = vec3_load(b->momentum), own = {m.x * b->inverse[0], m.y * b->inverse[1], m.z * b->inverse[2]};
+    for (int i = 0; i < 3; i++)
+        vec3_store3(b->axis[i], turn.column[i]);
+    vec3_store3(b->omega, turn_out(&turn, own));
 }
 
-static void set_body(const struct convex_body *from, const struct composite *shape, struct body *b)
+/* With what differs between shapes but not between times. */
+static void make_body(const struct composite *shape, const struct outline *outline, struct body *b)
 {
-    b->shape = shape;
-    b->position = vec3_load(from->position);
-    b->velocity = vec3_load(from->velocity);
-    b->inverse = (struct vec3){1 / shape->inertia[0], 1 / shape->inertia[1], 1 / shape->inertia[2]};
-    b->spin.orientation = quat_unit(quat_load(from->orientation));
-    struct turn t = quat_turn(b->spin.orientation);
+    *b = (struct body){.shape = shape, .outline = outline, .orientation = {1, 0, 0, 0}};
+    if (!shape)
+        return; // fills up the last four
+    for (int i = 0; i < 3; i++)
+        b->inverse[i] = 1 / shape->inertia[i];
+    b->inverse[3] = shape->reach;
+    b->velocity[3] = 1 / shape->mass;
+    b->momentum[3] = shape->mass;
+}
+
+static void set_body(const struct convex_body *from, struct body *b)
+{
+    quat_store(b->orientation, quat_unit(quat_load(from->orientation)));
+    vec3_store3(b->position, vec3_load(from->position));
+    vec3_store3(b->velocity, vec3_load(from->velocity));
+    struct turn t = quat_turn(quat_load(b->orientation));
     struct vec3 own = turn_in(&t, vec3_load(from->spin));
-    b->spin.momentum = (struct vec3){own.x * shape->inertia[0], own.y * shape->inertia[1], own.z * shape->inertia[2]};
+    vec3_store3(b->momentum,
+                (struct vec3){own.x * b->shape->inertia[0], own.y * b->shape->inertia[1], own.z * b->shape->inertia[2]});
     convex_look_around(b);
 }
 
-enum { SKIN_SHARE = 20 }; // of the smallest reach
+static size_t filled_up(size_t corners)
+{
+    return (corners + 3) / 4 * 4;
+}
+
+/* Outlines of all shapes, one after the other; NULL memory is left to the caller to see. */
+static void make_outlines(struct convex *c, size_t shapes)
+{
+    size_t all = 0;
+    for (size_t s = 0; s < shapes; s++)
+        for (size_t p = 0; p < c->shapes[s].parts; p++)
+            all += filled_up(c->shapes[s].part[p].vertices);
+    c->own = memory_rows(3 * all, sizeof *c->own);
+    for (size_t s = 0, at = 0; c->own && s < shapes; s++) {
+        struct outline *o = &c->outlines[s];
+        double *own = c->own + 3 * at;
+        for (size_t p = 0; p < c->shapes[s].parts; p++) {
+            o->from[p] = o->corners;
+            o->corners += filled_up(c->shapes[s].part[p].vertices);
+        }
+        for (size_t p = 0; p < c->shapes[s].parts; p++) {
+            const struct composite_part *part = &c->shapes[s].part[p];
+            for (size_t k = 0; k < filled_up(part->vertices); k++)
+                for (size_t i = 0; i < 3; i++)
+                    own[i * o->corners + o->from[p] + k] = part->vertex[k < part->vertices ? k : 0][i];
+        }
+        o->own = own;
+        at += o->corners;
+        c->corners = c->corners > o->corners ? c->corners : o->corners;
+    }
+}
+
+enum { SKIN_SHARE = 12 }; // of the smallest reach
+
+static enum scree_status make_arrays(struct convex *c, const struct convex_setup *s, struct scree_error *err)
+{
+    c->shapes = memory_rows(s->shape_count, sizeof *c->shapes);
+    c->outlines = memory_rows(s->shape_count, sizeof *c->outlines);
+    c->walls = memory_rows(s->wall_count, sizeof *c->walls);
+    c->body = memory_rows((c->bodies + 3) / 4 * 4, sizeof *c->body);
+    c->order = memory_rows(c->bodies, sizeof *c->order);
+    if (c->shapes && c->outlines) {
+        memcpy(c->shapes, s->shapes, s->shape_count * sizeof *c->shapes);
+        make_outlines(c, s->shape_count);
+    }
+    c->corner = memory_rows(c->bodies, 3 * c->corners * sizeof *c->corner);
+    if (!c->shapes || !c->outlines || !c->own || !c->walls || !c->body || !c->order || !c->corner)
+        return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for a world of %zu bodies", c->bodies);
+    if (s->wall_count > 0)
+        memcpy(c->walls, s->walls, s->wall_count * sizeof *c->walls);
+    return SCREE_OK;
+}
 
 enum scree_status convex_create(const struct convex_setup *s, struct convex **out, struct scree_error *err)
 {
+    enum cpu_isa isa;
     enum scree_status status = check(s, err);
-    if (status)
+    if (status || (status = cpu_choose(s->isa, &isa, err)))
         return status;
     struct convex *c = memory_rows(1, sizeof *c);
     if (!c)
         return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for a world");
     c->setup = *s;
+    c->setup.isa = cpu_isa_name(isa);
+    c->kernels = convex_kernels_for(isa);
     c->bodies = s->body_count;
-    c->shapes = memory_rows(s->shape_count, sizeof *c->shapes);
-    c->walls = memory_rows(s->wall_count, sizeof *c->walls);
-    c->body = memory_rows(c->bodies, sizeof *c->body);
-    c->order = memory_rows(c->bodies, sizeof *c->order);
-    c->travel_then = memory_rows(c->bodies, sizeof *c->travel_then);
-    if (!c->shapes || !c->walls || !c->body || !c->order || !c->travel_then) {
-        status = scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for a world of %zu bodies", c->bodies);
+    if ((status = make_arrays(c, s, err)))
         goto out;
-    }
-    memcpy(c->shapes, s->shapes, s->shape_count * sizeof *c->shapes);
-    if (s->wall_count > 0)
-        memcpy(c->walls, s->walls, s->wall_count * sizeof *c->walls);
     c->skin = INFINITY;
     for (size_t k = 0; k < c->bodies; k++) {
-        set_body(&s->bodies[k], &c->shapes[s->bodies[k].shape], &c->body[k]);
+        uint32_t shape = s->bodies[k].shape;
+        make_body(&c->shapes[shape], &c->outlines[shape], &c->body[k]);
+        set_body(&s->bodies[k], &c->body[k]);
         c->order[k] = (uint32_t)k;
-        c->skin = fmin(c->skin, c->body[k].shape->reach / SKIN_SHARE);
+        c->skin = fmin(c->skin, c->shapes[shape].reach / SKIN_SHARE);
     }
+    for (size_t k = c->bodies; k % 4 != 0; k++)
+        make_body(NULL, NULL, &c->body[k]);
     if (!(status = convex_rebuild(c, err)))
         status = convex_forces(c, err);
 out:
@@ -111,49 +178,24 @@ out:
     return status;
 }
 
-static void kick(struct body *b, double half)
+static enum scree_status not_finite(const struct convex *c, struct scree_error *err)
 {
-    b->velocity = vec3_add(b->velocity, vec3_scale(b->force, half / b->shape->mass));
-    b->spin.momentum = vec3_add(b->spin.momentum, vec3_scale(turn_in(&b->turn, b->torque), half));
-}
-
-/* No point of the body moves farther than v dt + 2 w reach dt: free rotation changes w meanwhile, less than twofold in
- * steps that resolve it. */
-static void drift(struct body *b, double step)
-{
-    b->position = vec3_add(b->position, vec3_scale(b->velocity, step));
-    spinning_first_half(&b->spin, b->inverse, 0.5 * step);
-    spinning_second_half(&b->spin, b->inverse, 0.5 * step);
-    b->spin.orientation = quat_tidy(b->spin.orientation);
-    double turned = sqrt(vec3_dot(b->omega, b->omega));
-    convex_look_around(b);
-    turned = fmax(turned, sqrt(vec3_dot(b->omega, b->omega)));
-    b->travel += step * (sqrt(vec3_dot(b->velocity, b->velocity)) + 2 * turned * b->shape->reach);
+    size_t k = 0;
+    while (k + 1 < c->bodies && isfinite(c->body[k].position[3]))
+        k++;
+    return scree_fail(err, SCREE_BLOWUP, NULL, "step %llu: body %zu's motion is no longer finite", (unsigned long long)c->step, k);
 }
 
 static enum scree_status step(struct convex *c, struct scree_error *err)
 {
-    bool moved = false;
-    struct vec3 gravity = vec3_load(c->setup.gravity);
-    for (size_t k = 0; k < c->bodies; k++) {
-        struct body *b = &c->body[k];
-        kick(b, 0.5 * c->setup.step_s);
-        convex_look_around(b);
-        c->gravity_work += b->shape->mass * c->setup.step_s * vec3_dot(gravity, b->velocity);
-        drift(b, c->setup.step_s);
-        if (!isfinite(b->travel))
-            return scree_fail(err, SCREE_BLOWUP, NULL, "step %llu: body %zu's motion is no longer finite",
-                              (unsigned long long)c->step, k);
-        moved = moved || b->travel - c->travel_then[k] > 0.5 * c->skin;
-    }
+    double way2 = c->kernels->move(c);
+    if (!isfinite(way2))
+        return not_finite(c, err);
     c->step++;
-    enum scree_status status = moved ? convex_rebuild(c, err) : SCREE_OK;
+    enum scree_status status = way2 > 0.25 * c->skin * c->skin ? convex_rebuild(c, err) : SCREE_OK;
     if (status || (status = convex_forces(c, err)))
         return status;
-    for (size_t k = 0; k < c->bodies; k++) {
-        kick(&c->body[k], 0.5 * c->setup.step_s);
-        convex_look_around(&c->body[k]);
-    }
+    c->kernels->kick(c);
     c->based = vec3_add(c->based, c->base);
     c->base_steps++;
     return SCREE_OK;
@@ -212,10 +254,19 @@ void convex_look(const struct convex *c, size_t body, struct convex_body *out)
 {
     const struct body *b = &c->body[body];
     *out = (struct convex_body){.shape = (uint32_t)(b->shape - c->shapes)};
-    vec3_store3(out->position, b->position);
-    vec3_store3(out->velocity, b->velocity);
-    vec3_store3(out->spin, b->omega);
-    quat_store(out->orientation, b->spin.orientation);
+    vec3_store3(out->position, vec3_load(b->position));
+    vec3_store3(out->velocity, vec3_load(b->velocity));
+    vec3_store3(out->spin, vec3_load(b->omega));
+    quat_store(out->orientation, quat_load(b->orientation));
+}
+
+static void sum_contacts(const struct convex *c, const struct list *list, size_t *points, double *elastic)
+{
+    for (size_t k = 0; k < list->pairs; k++)
+        if (list->pair[k].slot != NO_CONTACT) {
+            ++*points;
+            *elastic += c->contact[list->pair[k].slot].elastic;
+        }
 }
 
 struct convex_sums convex_sums(const struct convex *c)
@@ -224,25 +275,19 @@ struct convex_sums convex_sums(const struct convex *c)
     struct vec3 momentum = {0, 0, 0}, angular = {0, 0, 0}, wall = {0, 0, 0};
     for (size_t k = 0; k < c->bodies; k++) {
         const struct body *b = &c->body[k];
-        struct vec3 p = vec3_scale(b->velocity, b->shape->mass), spin = turn_out(&b->turn, b->spin.momentum);
-        double speed = sqrt(vec3_dot(b->velocity, b->velocity));
-        s.kinetic += 0.5 * vec3_dot(p, b->velocity) + 0.5 * vec3_dot(spin, b->omega);
+        const struct turn turn = body_turn(b);
+        struct vec3 velocity = vec3_load(b->velocity), p = vec3_scale(velocity, b->shape->mass);
+        struct vec3 spin = turn_out(&turn, vec3_load(b->momentum));
+        double speed = sqrt(vec3_dot(velocity, velocity));
+        s.kinetic += 0.5 * vec3_dot(p, velocity) + 0.5 * vec3_dot(spin, vec3_load(b->omega));
         momentum = vec3_add(momentum, p);
-        angular = vec3_add(angular, vec3_add(spin, vec3_cross(b->position, p)));
+        angular = vec3_add(angular, vec3_add(spin, vec3_cross(vec3_load(b->position), p)));
         s.speed_mean += speed / (double)c->bodies;
         s.speed_max = fmax(s.speed_max, speed);
-        wall = vec3_add(wall, vec3_sub(vec3_scale(vec3_load(c->setup.gravity), b->shape->mass), b->force));
+        wall = vec3_add(wall, vec3_sub(vec3_scale(vec3_load(c->setup.gravity), b->shape->mass), vec3_load(b->force)));
     }
-    for (size_t k = 0; k < c->near.count; k++)
-        if (c->near.pair[k].touches) {
-            s.contacts++;
-            s.elastic += c->near.pair[k].elastic;
-        }
-    for (size_t k = 0; k < c->wall.count; k++)
-        if (c->wall.pair[k].touches) {
-            s.contacts_wall++;
-            s.elastic += c->wall.pair[k].elastic;
-        }
+    sum_contacts(c, &c->near, &s.contacts, &s.elastic);
+    sum_contacts(c, &c->wall, &s.contacts_wall, &s.elastic);
     vec3_store3(s.momentum, momentum);
     vec3_store3(s.angular, angular);
     vec3_store3(s.wall_force, wall); // contacts between bodies cancel in the sum
@@ -259,22 +304,34 @@ uint64_t convex_hash(const struct convex *c)
 {
     uint64_t hash = 0xcbf29ce484222325U;
     for (size_t k = 0; k < c->bodies; k++) {
-        mix(&hash, &c->body[k].position, sizeof c->body[k].position);
-        mix(&hash, &c->body[k].velocity, sizeof c->body[k].velocity);
-        mix(&hash, &c->body[k].spin, sizeof c->body[k].spin);
+        const struct body *b = &c->body[k];
+        mix(&hash, b->position, 3 * sizeof(double));
+        mix(&hash, b->velocity, 3 * sizeof(double));
+        mix(&hash, b->orientation, sizeof b->orientation);
+        mix(&hash, b->momentum, 3 * sizeof(double));
     }
     const struct list *lists[] = {&c->near, &c->wall};
     for (int l = 0; l < 2; l++)
-        for (size_t k = 0; k < lists[l]->count; k++)
-            if (lists[l]->pair[k].touches)
-                mix(&hash, &lists[l]->pair[k].memory, sizeof lists[l]->pair[k].memory);
+        for (size_t k = 0; k < lists[l]->pairs; k++)
+            if (lists[l]->pair[k].slot != NO_CONTACT)
+                mix(&hash, &c->contact[lists[l]->pair[k].slot].memory, sizeof(struct spring_memory));
     return hash;
 }
 
 struct convex_counts convex_counts(const struct convex *c)
 {
     struct convex_counts counts = c->counts;
+    const struct list *lists[] = {&c->near, &c->wall, &c->old};
     counts.steps = c->step;
-    counts.pairs = c->near.count;
+    counts.pairs = c->near.pairs;
+    counts.bytes = (c->bodies + 3) / 4 * 4 * sizeof *c->body + c->bodies * (3 * c->corners * sizeof *c->corner + sizeof *c->order) +
+                   c->contact_room * sizeof *c->contact + c->spare_room * sizeof *c->spare;
+    for (int l = 0; l < 3; l++)
+        counts.bytes += lists[l]->group_room * sizeof(struct group) + lists[l]->pair_room * sizeof(struct pair);
     return counts;
+}
+
+const char *convex_isa(const struct convex *c)
+{
+    return c->setup.isa;
 }

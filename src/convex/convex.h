@@ -37,6 +37,7 @@ struct convex_gate {
 };
 
 struct convex_setup {
+    const char *isa; // NULL: the best there is
     double step_s;
     double gravity[3]; // m/s2
     const struct composite *shapes;
@@ -62,6 +63,7 @@ enum scree_status convex_advance(struct convex *convex, uint64_t steps, struct s
 
 double convex_time(const struct convex *convex); // s
 size_t convex_bodies(const struct convex *convex);
+const char *convex_isa(const struct convex *convex);
 void convex_set_gravity(struct convex *convex, const double gravity[3]);
 
 /* Mean force of the bodies on the floor over the steps since the last call, N. */
@@ -87,10 +89,11 @@ struct convex_sums convex_sums(const struct convex *convex);
 /* Over places, motions and memories of contacts, by body. */
 uint64_t convex_hash(const struct convex *convex);
 
-/* How often pairs of parts were looked at, and lists made. */
+/* How often pairs of parts were looked at, how often their nearest corners had changed and were searched for, and lists
+ * made; pairs of parts that are listed, memory in use. */
 struct convex_counts {
-    uint64_t steps, queries, rebuilds;
-    size_t pairs;
+    uint64_t steps, queries, searches, rebuilds;
+    size_t pairs, bytes;
 };
 struct convex_counts convex_counts(const struct convex *convex);
 

@@ -12,10 +12,9 @@
 
 void convex_image_free(struct convex_image *image)
 {
-    free(image->body);
-    free(image->order);
-    free(image->who);
-    free(image->pair);
+    void *const owned[] = {image->body, image->group, image->group_due, image->who, image->pair_due, image->contact};
+    for (size_t k = 0; k < sizeof owned / sizeof *owned; k++)
+        free(owned[k]);
     *image = (struct convex_image){0};
 }
 
@@ -34,37 +33,38 @@ static struct vec3 take3(const double **row)
     return v;
 }
 
-static void save_body(const struct body *b, double then, double row[CONVEX_IMAGE_BODY])
+static void save_body(const struct body *b, double row[CONVEX_IMAGE_BODY])
 {
     double *at = row;
-    put3(&at, b->position);
-    put3(&at, b->velocity);
-    quat_store(at, b->spin.orientation);
+    put3(&at, vec3_load(b->position));
+    put3(&at, vec3_load(b->velocity));
+    quat_store(at, quat_load(b->orientation));
     at += 4;
-    put3(&at, b->spin.momentum);
-    put3(&at, b->force);
-    put3(&at, b->torque);
-    at[0] = b->travel;
-    at[1] = then;
+    put3(&at, vec3_load(b->momentum));
+    put3(&at, vec3_load(b->force));
+    put3(&at, vec3_load(b->torque));
+    put3(&at, vec3_load(b->listed));
+    *at = b->position[3];
 }
 
-static bool load_body(const double row[CONVEX_IMAGE_BODY], struct body *b, double *then)
+static bool load_body(const double row[CONVEX_IMAGE_BODY], struct body *b)
 {
     const double *at = row;
     for (int k = 0; k < CONVEX_IMAGE_BODY; k++)
         if (!isfinite(row[k]))
             return false;
-    b->position = take3(&at);
-    b->velocity = take3(&at);
-    b->spin.orientation = quat_load(at);
+    vec3_store3(b->position, take3(&at));
+    vec3_store3(b->velocity, take3(&at));
+    quat_store(b->orientation, quat_load(at));
     at += 4;
-    b->spin.momentum = take3(&at);
-    b->force = take3(&at);
-    b->torque = take3(&at);
-    b->travel = at[0];
-    *then = at[1];
+    vec3_store3(b->momentum, take3(&at));
+    vec3_store3(b->force, take3(&at));
+    vec3_store3(b->torque, take3(&at));
+    vec3_store3(b->listed, take3(&at));
+    b->position[3] = *at;
+    b->placed = 0;
     convex_look_around(b);
-    return fabs(quat_norm2(b->spin.orientation) - 1) < 1e-6;
+    return fabs(quat_norm2(quat_load(b->orientation)) - 1) < 1e-6;
 }
 
 static uint32_t packed(const uint8_t bytes[4])
@@ -80,15 +80,17 @@ static void unpack(uint32_t word, uint8_t bytes[4])
 
 enum { TOUCHES = 1, SLIDES = 2, ROLLS = 4, COUNT_AT = 8 }; // bits of a pair's flags; the cache's count above them
 
-static void save_pair(const struct pair *p, uint32_t who[CONVEX_IMAGE_WHO], double row[CONVEX_IMAGE_PAIR])
+static void save_pair(const struct pair *p, const struct contact *contact, uint32_t who[CONVEX_IMAGE_WHO])
 {
-    who[0] = p->a;
-    who[1] = p->b;
-    who[2] = p->part_a | (uint32_t)p->part_b << 16;
-    who[3] = (p->touches ? TOUCHES : 0) | (p->result.slides ? SLIDES : 0) | (p->result.rolls ? ROLLS : 0) |
-             (uint32_t)p->cache.count << COUNT_AT;
-    who[4] = packed(p->cache.a);
-    who[5] = packed(p->cache.b);
+    who[0] = (uint32_t)p->cache.count << COUNT_AT;
+    if (contact)
+        who[0] |= TOUCHES | (contact->result.slides ? SLIDES : 0U) | (contact->result.rolls ? ROLLS : 0U);
+    who[1] = packed(p->cache.a);
+    who[2] = packed(p->cache.b);
+}
+
+static void save_contact(const struct contact *p, double row[CONVEX_IMAGE_CONTACT])
+{
     double *at = row;
     put3(&at, p->memory.slip);
     put3(&at, p->memory.torque);
@@ -96,20 +98,13 @@ static void save_pair(const struct pair *p, uint32_t who[CONVEX_IMAGE_WHO], doub
     put3(&at, p->point);
     put3(&at, p->result.force);
     put3(&at, p->result.torque);
-    const double rest[] = {p->result.normal, p->elastic, p->share, p->looked};
+    const double rest[] = {p->result.normal, p->elastic, p->share};
     memcpy(at, rest, sizeof rest);
 }
 
-static void load_pair(const uint32_t who[CONVEX_IMAGE_WHO], const double row[CONVEX_IMAGE_PAIR], struct pair *p)
+static void load_contact(const double row[CONVEX_IMAGE_CONTACT], uint32_t flags, struct contact *p)
 {
     const double *at = row;
-    *p = (struct pair){.a = who[0], .b = who[1], .part_a = (uint16_t)who[2], .part_b = (uint16_t)(who[2] >> 16)};
-    p->touches = who[3] & TOUCHES;
-    p->result.slides = who[3] & SLIDES;
-    p->result.rolls = who[3] & ROLLS;
-    p->cache.count = (uint8_t)(who[3] >> COUNT_AT);
-    unpack(who[4], p->cache.a);
-    unpack(who[5], p->cache.b);
     p->memory.slip = take3(&at);
     p->memory.torque = take3(&at);
     p->memory.normal = take3(&at);
@@ -119,59 +114,67 @@ static void load_pair(const uint32_t who[CONVEX_IMAGE_WHO], const double row[CON
     p->result.normal = at[0];
     p->elastic = at[1];
     p->share = at[2];
-    p->looked = at[3];
+    p->result.slides = flags & SLIDES;
+    p->result.rolls = flags & ROLLS;
 }
 
-/* Whether a pair's numbers are those of parts, vertices and walls that there are. */
-static bool sound(const struct convex *c, const struct pair *p, bool wall)
+/* Whether the corners that a pair remembers are there. */
+static bool sound_cache(const struct gjk_cache *cache, size_t of_a, size_t of_b)
 {
-    if (p->a >= c->bodies || p->b >= (wall ? c->setup.wall_count : c->bodies) || (!wall && p->a >= p->b))
-        return false;
-    const struct composite *a = c->body[p->a].shape;
-    if (p->part_a >= a->parts || p->cache.count > 4)
-        return false;
-    size_t vertices = a->part[p->part_a].vertices;
-    if (wall)
-        return p->part_b < vertices && p->cache.count == 0;
-    const struct composite *b = c->body[p->b].shape;
-    if (p->part_b >= b->parts)
-        return false;
-    for (int k = 0; k < p->cache.count; k++)
-        if (p->cache.a[k] >= vertices || p->cache.b[k] >= b->part[p->part_b].vertices)
+    for (int k = 0; k < cache->count && k < 4; k++)
+        if (cache->a[k] >= of_a || cache->b[k] >= of_b)
             return false;
-    return true;
+    return cache->count <= 4;
 }
 
 /* ---- both ways ---- */
 
 enum scree_status convex_save(const struct convex *c, struct convex_image *image, struct scree_error *err)
 {
-    size_t pairs = c->near.count + c->wall.count;
-    *image = (struct convex_image){.scalars = {.bodies = c->bodies,
-                                               .near = c->near.count,
-                                               .wall = c->wall.count,
-                                               .step = c->step,
-                                               .queries = c->counts.queries,
-                                               .rebuilds = c->counts.rebuilds,
-                                               .base_steps = c->base_steps,
-                                               .gravity_work = c->gravity_work}};
-    memcpy(image->scalars.gravity, c->setup.gravity, sizeof image->scalars.gravity);
-    vec3_store3(image->scalars.base, c->base);
-    vec3_store3(image->scalars.based, c->based);
-    image->body = memory_rows(c->bodies, sizeof *image->body);
-    image->order = memory_rows(c->bodies, sizeof *image->order);
-    image->who = memory_rows(pairs, sizeof *image->who);
-    image->pair = memory_rows(pairs, sizeof *image->pair);
-    if (!image->body || !image->order || !image->who || !image->pair) {
+    const struct list *lists[] = {&c->near, &c->wall};
+    struct convex_image m = {.scalars = {.bodies = c->bodies,
+                                         .near = c->near.groups,
+                                         .wall = c->wall.groups,
+                                         .pairs = c->near.pairs + c->wall.pairs,
+                                         .contacts = c->contacts - c->spares,
+                                         .step = c->step,
+                                         .queries = c->counts.queries,
+                                         .searches = c->counts.searches,
+                                         .rebuilds = c->counts.rebuilds,
+                                         .base_steps = c->base_steps,
+                                         .gravity_work = c->gravity_work}};
+    memcpy(m.scalars.gravity, c->setup.gravity, sizeof m.scalars.gravity);
+    vec3_store3(m.scalars.base, c->base);
+    vec3_store3(m.scalars.based, c->based);
+    size_t groups = c->near.groups + c->wall.groups;
+    m.body = memory_rows(c->bodies, sizeof *m.body);
+    m.group = memory_rows(groups, sizeof *m.group);
+    m.group_due = memory_rows(groups, sizeof *m.group_due);
+    m.who = memory_rows(m.scalars.pairs, sizeof *m.who);
+    m.pair_due = memory_rows(m.scalars.pairs, sizeof *m.pair_due);
+    m.contact = memory_rows(m.scalars.contacts, sizeof *m.contact);
+    *image = m;
+    if (!m.body || !m.group || !m.group_due || !m.who || !m.pair_due || !m.contact) {
         convex_image_free(image);
         return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for a copy of %zu bodies", c->bodies);
     }
-    for (size_t k = 0; k < c->bodies; k++) {
-        save_body(&c->body[k], c->travel_then[k], image->body[k]);
-        image->order[k] = c->order[k];
+    for (size_t k = 0; k < c->bodies; k++)
+        save_body(&c->body[k], m.body[k]);
+    for (size_t l = 0, group = 0, pair = 0, contact = 0; l < 2; l++) {
+        for (size_t k = 0; k < lists[l]->groups; k++, group++) {
+            m.group[group][0] = lists[l]->group[k].a;
+            m.group[group][1] = lists[l]->group[k].b;
+            m.group_due[group] = lists[l]->group[k].due;
+        }
+        for (size_t k = 0; k < lists[l]->pairs; k++, pair++) {
+            const struct pair *p = &lists[l]->pair[k];
+            const struct contact *touching = p->slot == NO_CONTACT ? NULL : &c->contact[p->slot];
+            m.pair_due[pair] = p->due;
+            save_pair(p, touching, m.who[pair]);
+            if (touching)
+                save_contact(touching, m.contact[contact++]);
+        }
     }
-    for (size_t k = 0; k < pairs; k++)
-        save_pair(k < c->near.count ? &c->near.pair[k] : &c->wall.pair[k - c->near.count], image->who[k], image->pair[k]);
     return SCREE_OK;
 }
 
@@ -180,32 +183,57 @@ static enum scree_status damaged(const char *what, struct scree_error *err)
     return scree_fail(err, SCREE_CORRUPT, NULL, "the image of a world of bodies is damaged: %s", what);
 }
 
-static enum scree_status load_list(struct convex *c, const struct convex_image *image, size_t from, size_t count, bool wall,
-                                   struct list *list, struct scree_error *err)
+/* How far an image has been read. */
+struct reading {
+    const struct convex_image *image;
+    size_t group, pair, contact;
+};
+
+static enum scree_status load_pairs(struct convex *c, struct reading *r, struct list *list, struct group *g, bool wall,
+                                    struct scree_error *err)
 {
-    enum scree_status status = memory_grow((void **)&list->pair, &list->room, count, sizeof *list->pair, err);
-    list->count = 0;
-    for (size_t k = 0; k < count && !status; k++) {
-        struct pair *p = &list->pair[k];
-        load_pair(image->who[from + k], image->pair[from + k], p);
-        if (!sound(c, p, wall) || (k > 0 && convex_compare(p - 1, p) >= 0))
+    const struct composite *a = c->body[g->a].shape, *b = wall ? NULL : c->body[g->b].shape;
+    size_t count = wall ? c->body[g->a].outline->corners : a->parts * b->parts;
+    enum scree_status status = convex_list_room(list, list->groups, list->pairs + count, err);
+    g = &list->group[list->groups - 1];
+    g->first = (uint32_t)list->pairs;
+    if (r->pair + count > r->image->scalars.pairs)
+        return damaged("pairs are missing", err);
+    for (size_t k = 0; k < count && !status; k++, r->pair++) {
+        const uint32_t *who = r->image->who[r->pair];
+        struct pair *p = &list->pair[list->pairs++];
+        *p = (struct pair){.due = r->image->pair_due[r->pair], .slot = NO_CONTACT, .cache.count = (uint8_t)(who[0] >> COUNT_AT)};
+        unpack(who[1], p->cache.a);
+        unpack(who[2], p->cache.b);
+        if (wall ? p->cache.count > 0 : !sound_cache(&p->cache, a->part[k / b->parts].vertices, b->part[k % b->parts].vertices))
             return damaged("a pair of parts", err);
-        list->count++;
+        if (!(who[0] & TOUCHES))
+            continue;
+        if (r->contact >= r->image->scalars.contacts)
+            return damaged("contacts are missing", err);
+        if (!(status = convex_touch(c, p, err)))
+            load_contact(r->image->contact[r->contact++], who[0], &c->contact[p->slot]);
+        g->touching++;
     }
     return status;
 }
 
-static enum scree_status load_order(struct convex *c, const uint32_t *order, struct scree_error *err)
+static enum scree_status load_list(struct convex *c, struct reading *r, size_t count, bool wall, struct list *list,
+                                   struct scree_error *err)
 {
-    bool *seen = memory_rows(c->bodies, sizeof *seen);
-    enum scree_status status = seen ? SCREE_OK : scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for a world");
-    for (size_t k = 0; k < c->bodies && !status; k++) {
-        if (order[k] >= c->bodies || seen[order[k]])
-            status = damaged("the order of bodies", err);
-        else
-            seen[c->order[k] = order[k]] = true;
+    enum scree_status status = SCREE_OK;
+    list->groups = list->pairs = 0;
+    for (size_t k = 0; k < count && !status; k++, r->group++) {
+        if ((status = convex_list_room(list, list->groups + 1, list->pairs, err)))
+            break;
+        const uint32_t *who = r->image->group[r->group];
+        struct group *g = &list->group[list->groups++];
+        *g = (struct group){.a = who[0], .b = who[1], .due = r->image->group_due[r->group]};
+        bool ordered = k == 0 || g[-1].a < g->a || (g[-1].a == g->a && g[-1].b < g->b);
+        if (g->a >= c->bodies || g->b >= (wall ? c->setup.wall_count : c->bodies) || (!wall && g->a >= g->b) || !ordered)
+            return damaged("a pair of bodies", err);
+        status = load_pairs(c, r, list, g, wall, err);
     }
-    free(seen);
     return status;
 }
 
@@ -213,6 +241,7 @@ enum scree_status convex_load(const struct convex_image *image, const struct con
                               struct scree_error *err)
 {
     const struct convex_scalars *s = &image->scalars;
+    struct reading r = {.image = image};
     struct convex *c = NULL;
     if (s->bodies != setup->body_count)
         return damaged("it has another number of bodies", err);
@@ -221,18 +250,20 @@ enum scree_status convex_load(const struct convex_image *image, const struct con
         return status;
     c->step = s->step;
     c->counts.queries = s->queries;
+    c->counts.searches = s->searches;
     c->counts.rebuilds = s->rebuilds;
     c->base_steps = s->base_steps;
     c->gravity_work = s->gravity_work;
     c->base = vec3_load(s->base);
     c->based = vec3_load(s->based);
     memcpy(c->setup.gravity, s->gravity, sizeof c->setup.gravity);
+    c->contacts = c->spares = 0;
     for (size_t k = 0; k < c->bodies && !status; k++)
-        if (!load_body(image->body[k], &c->body[k], &c->travel_then[k]))
+        if (!load_body(image->body[k], &c->body[k]))
             status = damaged("the state of a body", err);
-    if (!status && !(status = load_order(c, image->order, err)) &&
-        !(status = load_list(c, image, 0, s->near, false, &c->near, err)))
-        status = load_list(c, image, s->near, s->wall, true, &c->wall, err);
+    if (!status && !(status = load_list(c, &r, s->near, false, &c->near, err)) &&
+        !(status = load_list(c, &r, s->wall, true, &c->wall, err)) && (r.pair != s->pairs || r.contact != s->contacts))
+        status = damaged("there is more than belongs to it", err);
     if (status)
         convex_free(c);
     else

@@ -1,28 +1,31 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Everything that a world of convex bodies is between two steps, as plain arrays:
- * for checkpoints and forks. Lists of pairs are in, with what each pair knows of
- * its gap: they were made when some body had moved far enough, which positions
- * alone do not tell. */
+ * for checkpoints and forks. Lists are in, with what each pair knows of its gap:
+ * they were made when some body had moved far enough, which positions alone do
+ * not tell. */
 #ifndef SCREE_CONVEX_IMAGE_H
 #define SCREE_CONVEX_IMAGE_H
 
 #include "convex/convex.h"
 
-enum { CONVEX_IMAGE_BODY = 21, CONVEX_IMAGE_WHO = 6, CONVEX_IMAGE_PAIR = 22 }; // numbers a body, a pair
+enum { CONVEX_IMAGE_BODY = 23, CONVEX_IMAGE_WHO = 3, CONVEX_IMAGE_CONTACT = 21 }; // numbers a body, a pair, a contact
 
 struct convex_scalars {
-    uint64_t bodies, near, wall; // wall: pairs with walls
-    uint64_t step, queries, rebuilds, base_steps;
+    uint64_t bodies, near, wall; // wall: bodies by walls
+    uint64_t pairs, contacts;
+    uint64_t step, queries, searches, rebuilds, base_steps;
     double gravity[3], base[3], based[3], gravity_work;
 };
 
-/* Owned by whoever made it; pairs with walls follow those between bodies. */
+/* Owned by whoever made it; what is near walls follows what is near other bodies. */
 struct convex_image {
     struct convex_scalars scalars;
     double (*body)[CONVEX_IMAGE_BODY];
-    uint32_t *order; // bodies along x
-    uint32_t (*who)[CONVEX_IMAGE_WHO];
-    double (*pair)[CONVEX_IMAGE_PAIR];
+    uint32_t (*group)[2]; // two bodies, or a body and a wall
+    double *group_due;
+    uint32_t (*who)[CONVEX_IMAGE_WHO]; // of all pairs of all groups: flags with the count of the cache, its corners
+    double *pair_due;
+    double (*contact)[CONVEX_IMAGE_CONTACT]; // of the pairs that touch, in their order
 };
 
 /* Copies the world. */

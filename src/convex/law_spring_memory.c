@@ -11,7 +11,6 @@
 
 #include <math.h>
 
-#include "base/quat.h"
 
 static double length_of(struct vec3 v)
 {
@@ -23,18 +22,26 @@ static struct vec3 across(struct vec3 v, struct vec3 normal)
     return vec3_sub(v, vec3_scale(normal, vec3_dot(v, normal)));
 }
 
-/* The shortest turn from normal to normal, q = (1 + n.n', n x n') made a unit. Between opposite normals there is no
- * shortest one: a contact that flips over in a step is another contact, and remembers nothing. What rounding leaves
- * along the normal is taken off, so that friction stays in its plane for good. */
+/* What the shortest turn from normal n to normal m makes of v, which lies across n: v - (v.m) (n + m) / (1 + n.m), the turn
+ * by the quaternion (1 + n.m, n x m) of eq. 8 multiplied out. What rounding leaves along m is taken off, so that friction
+ * stays in its plane for good. */
+static struct vec3 turned(struct vec3 v, struct vec3 n, struct vec3 m, double over)
+{
+    return across(vec3_sub(v, vec3_scale(vec3_add(n, m), vec3_dot(v, m) * over)), m);
+}
+
+/* Between opposite normals there is no shortest turn: a contact that flips over in a step is another contact, and
+ * remembers nothing. */
 void spring_memory_turn(struct spring_memory *memory, struct vec3 normal)
 {
-    struct vec3 n = vec3_cross(memory->normal, normal);
-    struct quat q = {1 + vec3_dot(memory->normal, normal), n.x, n.y, n.z};
-    if (quat_norm2(q) < 1e-6 || vec3_dot(memory->normal, memory->normal) == 0)
+    struct vec3 n = memory->normal;
+    double half = 1 + vec3_dot(n, normal); // 1 where there was no normal
+    if (half < 1e-6 || vec3_dot(n, n) == 0) {
         *memory = (struct spring_memory){.normal = normal};
-    q = quat_norm2(q) < 1e-6 ? quat_one() : quat_unit(q);
-    memory->slip = across(quat_rotate(q, memory->slip), normal);
-    memory->torque = across(quat_rotate(q, memory->torque), normal);
+        return;
+    }
+    memory->slip = turned(memory->slip, n, normal, 1 / half);
+    memory->torque = turned(memory->torque, n, normal, 1 / half);
     memory->normal = normal;
 }
 
@@ -60,6 +67,9 @@ static struct vec3 friction(const struct spring_pair *p, struct vec3 velocity, d
 static struct vec3 rolling(const struct spring_pair *p, struct vec3 spin, double normal, double step_s, struct vec3 *spring,
                            bool *rolls)
 {
+    *rolls = false;
+    if (!(p->rolling_friction > 0))
+        return (struct vec3){0, 0, 0};
     *spring = vec3_sub(*spring, vec3_scale(spin, p->stiffness_r * step_s));
     double limit = p->rolling_friction * p->radius * fabs(normal), size = length_of(*spring);
     *rolls = size > limit;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Which parts of which bodies may touch before some body has moved half the skin.
- * Bodies are sorted along x and swept; lists are in the order of body and part
- * numbers, whatever the order along x, so that sums of forces never change their order. */
+/* Which bodies may touch before some centre has moved half the skin. Bodies are
+ * sorted along the axis they are spread out along most, and swept; lists are in the
+ * order of their numbers, whatever the order along that axis, so that sums of forces
+ * never change their order. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,37 +10,70 @@
 #include "base/memory.h"
 #include "convex/state.h"
 
-int convex_compare(const void *x, const void *y)
+static int compare(const void *x, const void *y)
 {
-    const struct pair *a = x, *b = y;
+    const struct group *a = x, *b = y;
     if (a->a != b->a)
         return a->a < b->a ? -1 : 1;
-    if (a->b != b->b)
-        return a->b < b->b ? -1 : 1;
-    if (a->part_a != b->part_a)
-        return a->part_a < b->part_a ? -1 : 1;
-    return a->part_b < b->part_b ? -1 : a->part_b > b->part_b;
+    return a->b < b->b ? -1 : a->b > b->b;
 }
 
-static enum scree_status add(struct list *list, uint32_t a, uint32_t b, size_t part_a, size_t part_b, struct scree_error *err)
+enum scree_status convex_list_room(struct list *list, size_t groups, size_t pairs, struct scree_error *err)
 {
-    enum scree_status status = memory_grow((void **)&list->pair, &list->room, list->count + 1, sizeof *list->pair, err);
+    if (pairs >= NO_CONTACT)
+        return scree_fail(err, SCREE_NO_MEMORY, NULL, "too many parts of bodies are near each other: %zu pairs", pairs);
+    enum scree_status status = memory_grow((void **)&list->group, &list->group_room, groups, sizeof *list->group, err);
+    return status ? status : memory_grow((void **)&list->pair, &list->pair_room, pairs, sizeof *list->pair, err);
+}
+
+static enum scree_status add(struct list *list, uint32_t a, uint32_t b, struct scree_error *err)
+{
+    enum scree_status status = convex_list_room(list, list->groups + 1, 0, err);
     if (!status)
-        list->pair[list->count++] = (struct pair){.a = a, .b = b, .part_a = (uint16_t)part_a, .part_b = (uint16_t)part_b};
+        list->group[list->groups++] = (struct group){.a = a, .b = b};
     return status;
 }
 
-/* Puts the new list in order and takes over what the old one knew of the same parts. */
-static void carry_over(struct list *list, const struct list *old)
+static size_t pairs_of(const struct convex *c, const struct list *list, const struct group *g)
 {
-    if (list->count > 0)
-        qsort(list->pair, list->count, sizeof *list->pair, convex_compare);
-    for (size_t k = 0, o = 0; k < list->count; k++) {
-        while (o < old->count && convex_compare(&old->pair[o], &list->pair[k]) < 0)
-            o++;
-        if (o < old->count && convex_compare(&old->pair[o], &list->pair[k]) == 0)
-            list->pair[k] = old->pair[o];
+    return list == &c->wall ? c->body[g->a].outline->corners : pairs_between(&c->body[g->a], &c->body[g->b]);
+}
+
+/* Puts the new list in order and takes over what the old one knew of the same bodies; contacts of those that are no
+ * longer near, as with a gate that has gone, end. */
+static enum scree_status carry_over(struct convex *c, struct list *list, struct list *old, struct scree_error *err)
+{
+    size_t pairs = 0, o = 0;
+    if (list->groups > 0)
+        qsort(list->group, list->groups, sizeof *list->group, compare);
+    for (size_t k = 0; k < list->groups; k++)
+        pairs += pairs_of(c, list, &list->group[k]);
+    enum scree_status status = convex_list_room(list, list->groups, pairs, err);
+    if (status)
+        return status;
+    list->pairs = 0;
+    for (size_t k = 0; k < list->groups; k++) {
+        struct group *g = &list->group[k];
+        size_t count = pairs_of(c, list, g);
+        for (; o < old->groups && compare(&old->group[o], g) < 0; o++)
+            for (size_t p = 0; p < pairs_of(c, list, &old->group[o]); p++)
+                convex_part(c, &old->pair[old->group[o].first + p]);
+        bool known = o < old->groups && compare(&old->group[o], g) == 0;
+        struct pair *to = &list->pair[list->pairs];
+        if (known)
+            memcpy(to, &old->pair[old->group[o].first], count * sizeof *to);
+        else
+            for (size_t p = 0; p < count; p++)
+                to[p] = (struct pair){.slot = NO_CONTACT};
+        if (known)
+            *g = old->group[o++];
+        g->first = (uint32_t)list->pairs;
+        list->pairs += count;
     }
+    for (; o < old->groups; o++)
+        for (size_t p = 0; p < pairs_of(c, list, &old->group[o]); p++)
+            convex_part(c, &old->pair[old->group[o].first + p]);
+    return SCREE_OK;
 }
 
 static void swap(struct list *list, struct list *old)
@@ -47,17 +81,32 @@ static void swap(struct list *list, struct list *old)
     struct list kept = *list;
     *list = *old;
     *old = kept;
-    list->count = 0;
+    list->groups = list->pairs = 0;
 }
 
-/* Bodies hardly change places along x between two lists: insertion is nearly linear. */
-static void sort_along_x(struct convex *c)
+static int widest_axis(const struct convex *c)
 {
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    int axis = 0;
+    for (size_t k = 0; k < c->bodies; k++)
+        for (int i = 0; i < 3; i++) {
+            low[i] = fmin(low[i], c->body[k].position[i]);
+            high[i] = fmax(high[i], c->body[k].position[i]);
+        }
+    for (int i = 1; i < 3; i++)
+        axis = high[i] - low[i] > high[axis] - low[axis] ? i : axis;
+    return axis;
+}
+
+/* Bodies hardly change places between two lists: insertion is nearly linear. */
+static void sort_along(struct convex *c)
+{
+    int axis = c->along = widest_axis(c);
     for (size_t k = 1; k < c->bodies; k++) {
         uint32_t body = c->order[k];
-        double x = c->body[body].position.x;
+        double x = c->body[body].position[axis];
         size_t at = k;
-        for (; at > 0 && c->body[c->order[at - 1]].position.x > x; at--)
+        for (; at > 0 && c->body[c->order[at - 1]].position[axis] > x; at--)
             c->order[at] = c->order[at - 1];
         c->order[at] = body;
     }
@@ -66,20 +115,22 @@ static void sort_along_x(struct convex *c)
 static enum scree_status find_near(struct convex *c, double reach_max, struct scree_error *err)
 {
     enum scree_status status = SCREE_OK;
-    for (size_t k = 0; k < c->bodies && !status; k++)
+    for (size_t k = 0; k < c->bodies && !status; k++) {
+        const struct body *one = &c->body[c->order[k]];
+        double far = one->shape->reach + reach_max + c->skin;
         for (size_t other = k + 1; other < c->bodies && !status; other++) {
-            uint32_t i = c->order[k], j = c->order[other], a = i < j ? i : j, b = i < j ? j : i;
-            struct vec3 d = vec3_sub(c->body[j].position, c->body[i].position);
-            const struct composite *sa = c->body[a].shape, *sb = c->body[b].shape;
-            if (d.x > c->body[i].shape->reach + reach_max + c->skin)
+            const struct body *two = &c->body[c->order[other]];
+            double d[3], reach = one->shape->reach + two->shape->reach + c->skin;
+            for (int i = 0; i < 3; i++)
+                d[i] = two->position[i] - one->position[i];
+            if (d[c->along] > far)
                 break;
-            double reach = sa->reach + sb->reach + c->skin;
-            if (vec3_dot(d, d) > reach * reach)
+            if (d[0] * d[0] + d[1] * d[1] + d[2] * d[2] > reach * reach)
                 continue;
-            for (size_t p = 0; p < sa->parts && !status; p++)
-                for (size_t q = 0; q < sb->parts && !status; q++)
-                    status = add(&c->near, a, b, p, q, err);
+            uint32_t i = c->order[k], j = c->order[other];
+            status = add(&c->near, i < j ? i : j, i < j ? j : i, err);
         }
+    }
     return status;
 }
 
@@ -88,20 +139,15 @@ static enum scree_status find_walls(struct convex *c, struct scree_error *err)
     enum scree_status status = SCREE_OK;
     bool gate = convex_gate_now(c).stands;
     for (uint32_t a = 0; a < c->bodies; a++)
-        for (uint32_t w = 0; w < c->setup.wall_count; w++) {
+        for (uint32_t w = 0; w < c->setup.wall_count && !status; w++) {
             const struct body *body = &c->body[a];
-            struct vec3 from = vec3_sub(body->position, vec3_load(c->walls[w].point));
+            struct vec3 from = vec3_sub(vec3_load(body->position), vec3_load(c->walls[w].point));
             double far = vec3_dot(from, vec3_load(c->walls[w].normal)), reach = body->shape->reach + c->skin;
             bool is_gate = c->setup.gate.present && w == c->setup.gate.wall; // which has another side, and goes
-            if (far > reach || (is_gate && (!gate || far < -reach)))
-                continue;
-            for (size_t p = 0; p < body->shape->parts && !status; p++)
-                for (size_t v = 0; v < body->shape->part[p].vertices && !status; v++)
-                    status = add(&c->wall, a, w, p, v, err);
-            if (status)
-                return status;
+            if (far <= reach && !(is_gate && (!gate || far < -reach)))
+                status = add(&c->wall, a, w, err);
         }
-    return SCREE_OK;
+    return status;
 }
 
 enum scree_status convex_rebuild(struct convex *c, struct scree_error *err)
@@ -109,18 +155,17 @@ enum scree_status convex_rebuild(struct convex *c, struct scree_error *err)
     double reach_max = 0;
     for (size_t k = 0; k < c->bodies; k++) {
         reach_max = fmax(reach_max, c->body[k].shape->reach);
-        c->travel_then[k] = c->body[k].travel;
+        for (int i = 0; i < 3; i++)
+            c->body[k].listed[i] = c->body[k].position[i];
     }
-    sort_along_x(c);
+    sort_along(c);
     swap(&c->near, &c->old);
     enum scree_status status = find_near(c, reach_max, err);
-    if (status)
+    if (status || (status = carry_over(c, &c->near, &c->old, err)))
         return status;
-    carry_over(&c->near, &c->old);
     swap(&c->wall, &c->old);
-    if ((status = find_walls(c, err)))
+    if ((status = find_walls(c, err)) || (status = carry_over(c, &c->wall, &c->old, err)))
         return status;
-    carry_over(&c->wall, &c->old);
     c->counts.rebuilds++;
     return SCREE_OK;
 }

@@ -60,11 +60,12 @@ static struct frame *make_frame(const struct convex *c)
 /* Corners of a body from row `at` on; returns the next free row. */
 static uint32_t show_parts(const struct body *b, uint32_t first, uint32_t at, struct frame *f)
 {
+    const struct turn turn = body_turn(b);
     for (size_t p = 0; p < b->shape->parts; p++) {
         const struct composite_part *part = &b->shape->part[p];
         f->part_start[first + p] = at;
         for (size_t v = 0; v < part->vertices; v++, at++) {
-            vec3_store(f->corner[at], vec3_add(b->position, turn_out(&b->turn, vec3_load(part->vertex[v]))));
+            vec3_store(f->corner[at], vec3_add(vec3_load(b->position), turn_out(&turn, vec3_load(part->vertex[v]))));
             f->corner[at][3] = part->radius;
         }
     }
@@ -79,11 +80,12 @@ static void show_bodies(const struct convex *c, struct frame *f)
         const struct body *b = &c->body[k];
         struct view_body *v = &f->body[k];
         f->id[k] = (uint32_t)k;
-        vec3_store(f->position[k], b->position);
+        const struct turn turn = body_turn(b);
+        vec3_store(f->position[k], vec3_load(b->position));
         f->position[k][3] = cbrt(3 * b->shape->volume / (4 * M_PI));
-        vec3_store(f->velocity[k], b->velocity);
+        vec3_store(f->velocity[k], vec3_load(b->velocity));
         f->velocity[k][3] = b->shape->mass;
-        vec3_store(f->spin[k], b->omega);
+        vec3_store(f->spin[k], vec3_load(b->omega));
         *v = (struct view_body){.id = (uint32_t)k,
                                 .shape = (uint32_t)(b->shape - c->shapes),
                                 .first = (uint32_t)k,
@@ -94,40 +96,50 @@ static void show_bodies(const struct convex *c, struct frame *f)
                                 .parts = (uint32_t)b->shape->parts};
         corner = show_parts(b, part, corner, f);
         part += v->parts;
-        vec3_store3(v->position, b->position);
-        vec3_store3(v->velocity, b->velocity);
-        vec3_store3(v->spin, b->omega);
-        vec3_store3(v->momentum, turn_out(&b->turn, b->spin.momentum));
-        quat_store(v->orientation, b->spin.orientation);
+        vec3_store3(v->position, vec3_load(b->position));
+        vec3_store3(v->velocity, vec3_load(b->velocity));
+        vec3_store3(v->spin, vec3_load(b->omega));
+        vec3_store3(v->momentum, turn_out(&turn, vec3_load(b->momentum)));
+        quat_store(v->orientation, quat_load(b->orientation));
     }
 }
 
-static struct vec3 surface_velocity(const struct body *b, struct vec3 point)
-{
-    return vec3_add(b->velocity, vec3_cross(b->omega, vec3_sub(point, b->position)));
-}
-
 /* What the law gave to a is what b gives it: signs turn round for the force of a on b. */
-static void show_contact(const struct convex *c, const struct pair *p, const struct spring_pair *law, bool wall,
-                         struct view_contact *v)
+static void show_contact(const struct convex *c, const struct group *g, const struct contact *p, bool wall, struct view_contact *v)
 {
-    const struct body *a = &c->body[p->a], *b = wall ? NULL : &c->body[p->b];
+    const struct spring_pair *law = wall ? &c->setup.at_wall : &c->setup.between;
+    const struct body *a = &c->body[g->a], *b = wall ? NULL : &c->body[g->b];
     struct vec3 force = vec3_scale(p->result.force, p->share), torque = vec3_scale(p->result.torque, p->share);
-    struct vec3 closing = surface_velocity(a, p->point);
-    *v = (struct view_contact){.a = p->a,
-                               .b = wall ? VIEW_WALL + p->b : p->b,
-                               .on_base = wall && p->b == 0,
+    struct vec3 closing = body_velocity_at(a, p->point);
+    *v = (struct view_contact){.a = g->a,
+                               .b = wall ? VIEW_WALL + g->b : g->b,
+                               .on_base = wall && g->b == 0,
                                .overlap = sqrt(2 * p->elastic / law->stiffness),
                                .force_normal = p->result.normal * p->share,
                                .elastic = p->elastic * p->share};
     if (b)
-        closing = vec3_sub(closing, surface_velocity(b, p->point));
+        closing = vec3_sub(closing, body_velocity_at(b, p->point));
     vec3_store3(v->normal, p->memory.normal);
+    vec3_store3(v->point, p->point);
     v->approach = vec3_dot(closing, p->memory.normal);
     vec3_store3(v->force, vec3_scale(force, -1));
-    vec3_store3(v->torque_a, vec3_add(torque, vec3_cross(vec3_sub(p->point, a->position), force)));
+    vec3_store3(v->torque_a, vec3_add(torque, vec3_cross(vec3_sub(p->point, vec3_load(a->position)), force)));
     if (b)
-        vec3_store3(v->torque_b, vec3_scale(vec3_add(torque, vec3_cross(vec3_sub(p->point, b->position), force)), -1));
+        vec3_store3(v->torque_b,
+                    vec3_scale(vec3_add(torque, vec3_cross(vec3_sub(p->point, vec3_load(b->position)), force)), -1));
+}
+
+static size_t show_contacts(const struct convex *c, const struct list *list, bool wall, struct view_contact *to)
+{
+    size_t shown = 0;
+    for (size_t k = 0; k < list->groups; k++) {
+        const struct group *g = &list->group[k];
+        size_t pairs = wall ? c->body[g->a].outline->corners : pairs_between(&c->body[g->a], &c->body[g->b]);
+        for (size_t p = 0; p < pairs; p++)
+            if (list->pair[g->first + p].slot != NO_CONTACT)
+                show_contact(c, g, &c->contact[list->pair[g->first + p].slot], wall, &to[shown++]);
+    }
+    return shown;
 }
 
 enum scree_status convex_view(struct convex *c, struct view *out, struct scree_error *err)
@@ -137,16 +149,12 @@ enum scree_status convex_view(struct convex *c, struct view *out, struct scree_e
         return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory to look at %zu bodies", c->bodies);
     struct frame *f = c->frame;
     enum scree_status status =
-        memory_grow((void **)&f->contact, &f->room, c->near.count + c->wall.count + 1, sizeof *f->contact, err);
+        memory_grow((void **)&f->contact, &f->room, c->contacts - c->spares + 1, sizeof *f->contact, err);
     if (status)
         return status;
     show_bodies(c, f);
-    for (size_t k = 0; k < c->near.count; k++)
-        if (c->near.pair[k].touches)
-            show_contact(c, &c->near.pair[k], &c->setup.between, false, &f->contact[contacts++]);
-    for (size_t k = 0; k < c->wall.count; k++)
-        if (c->wall.pair[k].touches)
-            show_contact(c, &c->wall.pair[k], &c->setup.at_wall, true, &f->contact[contacts++]);
+    contacts = show_contacts(c, &c->near, false, f->contact);
+    contacts += show_contacts(c, &c->wall, true, f->contact + contacts);
     *out = (struct view){.time_s = convex_time(c),
                          .step_s = c->setup.step_s,
                          .step = c->step,

@@ -4,48 +4,84 @@
 #define SCREE_CONVEX_STATE_H
 
 #include "convex/convex.h"
+#include "convex/kernels.h"
 #include "geom/gjk.h"
 
+/* Rows of four numbers: a step moves four bodies side by side. */
 struct body {
-    struct vec3 position, velocity; // m, m/s
-    struct spinning spin;           // orientation, angular momentum along the own axes
-    struct vec3 inverse;            // 1 / I along the own axes, 1/(kg m2)
-    struct turn turn;               // of the orientation
-    struct vec3 omega;              // in space, rad/s
-    struct vec3 force, torque;      // in space, about the centre, N, N m
+    _Alignas(32) double position[4]; // m; [3] travel: no point of it has moved farther since t = 0, m
+    double velocity[4];              // m/s; [3] 1 / mass, 1/kg
+    double orientation[4];           // w, x, y, z: own axes into space
+    double momentum[4];              // angular, along the own axes, N m s; [3] mass, kg
+    double inverse[4];               // 1 / I along the own axes, 1/(kg m2); [3] reach, m
+    double omega[4];                 // in space, rad/s
+    double force[4], torque[4];      // in space, about the centre, N, N m
+    double axis[3][4];               // own axes in space
+    double listed[4];                // where its centre was when lists were made, m
+    uint64_t placed;                 // 1 + the step at which its corners in space are; 0: never
     const struct composite *shape;
-    double travel; // no point of it has moved farther since t = 0, m
+    const struct outline *outline;
 };
 
-/* Two parts of two bodies, or a vertex of a part and a wall. */
-struct pair {
-    uint32_t a, b;           // bodies; b is a wall's number in the list of walls
-    uint16_t part_a, part_b; // part_b: the vertex, in the list of walls
-    struct gjk_cache cache;
-    double looked; // both bodies' travel at which it must be looked at again, m
-    bool touches;
+/* Corners of a shape's parts as columns x, y, z, of which four are looked at at once: each part's are filled up to a
+ * multiple of four by its first. */
+struct outline {
+    size_t corners;                   // of all parts, filled up
+    size_t from[COMPOSITE_PARTS_MAX]; // where a part's begin
+    const double *own;                // x, then y, then z, along the own axes, m
+};
+
+/* Points in which parts of two bodies, or a corner of a body and a wall, touch. */
+struct contact {
     struct spring_memory memory;
-    struct vec3 point; // of contact, m
+    struct vec3 point; // m
     struct spring_result result;
     double elastic; // J
     double share;   // of the result that the bodies feel
 };
 
+/* Two parts of two bodies, or a corner and a wall. */
+struct pair {
+    double due;    // both bodies' travel at which it must be looked at again, m; 0: at every step, as while it touches
+    uint32_t slot; // its contact, or NO_CONTACT
+    struct gjk_cache cache;
+};
+#define NO_CONTACT UINT32_MAX
+
+/* Two bodies with all pairs of their parts, part by part of a; or a body and a wall with all its corners, filled up as in
+ * its outline. */
+struct group {
+    uint32_t a, b; // b: the number of the wall
+    uint32_t first, touching;
+    double due; // as that of a pair: the least of them
+};
+
 struct list {
+    struct group *group; // in the order of a, then b
+    size_t groups, group_room;
     struct pair *pair;
-    size_t count, room;
+    size_t pairs, pair_room;
 };
 
 struct convex {
     struct convex_setup setup; // its pointers are not looked at
+    const struct convex_kernels *kernels;
     struct composite *shapes;
+    struct outline *outlines;
+    double *own; // corners of all outlines
     struct convex_wall *walls;
-    struct body *body;
-    uint32_t *order; // bodies along x
+    struct body *body; // bodies, filled up to a multiple of four by ones that nothing moves
     size_t bodies;
+    double *corner;   // of all bodies, from their centres along the axes of space, m: see corners_of
+    size_t corners;   // the most that a shape has
+    uint32_t *order;  // bodies along `along`
+    int along;        // the axis that they are spread out along most
     struct list near, wall, old; // old: the list that is being replaced
-    double skin;                 // m
-    double *travel_then;         // by body
+    struct contact *contact;
+    size_t contacts, contact_room; // in use and free
+    uint32_t *spare;               // slots that are free, the last first
+    size_t spares, spare_room;
+    double skin; // m
     uint64_t step;
     struct convex_counts counts;
     double gravity_work;     // since the start, J
@@ -63,14 +99,29 @@ struct gate_now {
 };
 struct gate_now convex_gate_now(const struct convex *convex);
 
-/* Turn and spin of a body from its orientation and angular momentum. */
+static inline struct turn body_turn(const struct body *b)
+{
+    return (struct turn){.column = {vec3_load(b->axis[0]), vec3_load(b->axis[1]), vec3_load(b->axis[2])}};
+}
+static inline struct vec3 body_velocity_at(const struct body *b, struct vec3 point)
+{
+    return vec3_add(vec3_load(b->velocity), vec3_cross(vec3_load(b->omega), vec3_sub(point, vec3_load(b->position))));
+}
+static inline size_t pairs_between(const struct body *a, const struct body *b)
+{
+    return a->shape->parts * b->shape->parts;
+}
+
+/* Axes and spin of a body from its orientation and angular momentum. */
 void convex_look_around(struct body *body);
 
-/* Order of pairs in a list: negative, zero, positive. */
-int convex_compare(const void *x, const void *y);
+/* A slot for a contact that begins, with nothing remembered; and the end of a pair's contact, if it has one. */
+enum scree_status convex_touch(struct convex *convex, struct pair *pair, struct scree_error *err);
+void convex_part(struct convex *convex, struct pair *pair);
 
 /* Makes the lists anew; contacts keep their memory. */
 enum scree_status convex_rebuild(struct convex *convex, struct scree_error *err);
+enum scree_status convex_list_room(struct list *list, size_t groups, size_t pairs, struct scree_error *err);
 
 /* Forces and torques of all contacts and of gravity. */
 enum scree_status convex_forces(struct convex *convex, struct scree_error *err);

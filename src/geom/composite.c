@@ -57,12 +57,13 @@ static enum scree_status check_joined(const struct polyhedron *part, size_t part
     return SCREE_OK;
 }
 
-/* Mass, principal axes and moments from the integrals; the axes come from the code that clumps have for it, which
- * wants a sphere to carry along. */
-static enum scree_status weigh(const struct moments *m, double density, struct composite *out, struct vec3 *centre,
-                               struct quat *axes, struct scree_error *err)
+/* The axes come from the code that clumps have for it, which wants a sphere to carry along. */
+enum scree_status composite_weigh(const struct moments *m, double density, struct composite *out, struct vec3 *centre,
+                                  struct quat *axes, struct scree_error *err)
 {
     double c[3], s[6];
+    if (!(m->volume > 0))
+        return scree_fail(err, SCREE_INVALID, NULL, "the body has no volume");
     for (int k = 0; k < 3; k++)
         c[k] = m->first[k] / m->volume;
     for (int k = 0; k < 3; k++)
@@ -99,7 +100,7 @@ enum scree_status composite_create(const struct polyhedron *part, size_t parts, 
     for (size_t k = 0; k < parts && !status; k++)
         status = add_shared(part, parts, k + 1, &part[k], 1, &sum, err);
     *out = (struct composite){.parts = parts};
-    if (status || (status = weigh(&sum, density, out, &centre, &q, err)))
+    if (status || (status = composite_weigh(&sum, density, out, &centre, &q, err)))
         return status;
     struct turn own = quat_turn(q);
     for (size_t k = 0; k < parts; k++) {

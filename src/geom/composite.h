@@ -9,7 +9,7 @@
 
 #include "geom/polyhedron.h"
 
-enum { COMPOSITE_PARTS_MAX = 6 };
+enum { COMPOSITE_PARTS_MAX = 16 };
 
 struct composite_part {
     size_t vertices;
@@ -39,5 +39,15 @@ enum scree_status composite_tetrapod(double leg, double radius, double density, 
                                      struct scree_error *err);
 
 enum scree_status composite_sphere(double radius, double density, struct composite *out, struct scree_error *err);
+
+/* Spheres (x, y, z, radius) glued together, m: what they share counts once. Refuses, by number, one that meets none of the
+ * others. Volume and inertia are integrated over chords: to a part in 10^4. */
+enum scree_status composite_spheres(const double (*sphere)[4], size_t spheres, double density, struct composite *out,
+                                    struct scree_error *err);
+
+/* Mass, principal moments and axes out of the integrals of a body of density 1 in some frame; `centre` and `axes` are its
+ * centre of mass there and the turn of its own axes into it. */
+enum scree_status composite_weigh(const struct moments *moments, double density, struct composite *out, struct vec3 *centre,
+                                  struct quat *axes, struct scree_error *err);
 
 #endif

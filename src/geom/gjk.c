@@ -107,8 +107,9 @@ static bool shares_of(const struct vec3 x[], int count, double s[])
     }
 }
 
-/* Reduces the simplex to the part that holds its nearest point, which it returns. */
-static struct vec3 nearest(struct simplex *s)
+/* Reduces the simplex to the part that holds its nearest point, which it returns, among those with all corners of `must`:
+ * the corner just found is always one. Keeps no corner when rounding leaves none that does. */
+static struct vec3 nearest(struct simplex *s, unsigned must)
 {
     struct simplex best = {.count = 0};
     struct vec3 nearest = {0, 0, 0};
@@ -123,6 +124,8 @@ static struct vec3 nearest(struct simplex *s)
     for (unsigned set = 1; set + 1 < 1U << s->count; set++) {
         struct simplex part = {.count = 0};
         struct vec3 x[4], v = {0, 0, 0};
+        if ((set & must) != must)
+            continue;
         for (int k = 0; k < s->count; k++)
             if (set >> k & 1) {
                 x[part.count] = s->corner[k].w;
@@ -184,7 +187,7 @@ enum gjk_state gjk_distance(const struct gjk_core *a, const struct gjk_core *b, 
     struct simplex s = {.count = 0};
     start(a, b, cache, &s);
     double size2 = 0;
-    struct vec3 v = nearest(&s);
+    struct vec3 v = nearest(&s, 0);
     double vv = vec3_dot(v, v);
     enum gjk_state state = GJK_UNSURE;
     for (out->iterations = 1; out->iterations <= GJK_ITERATIONS; out->iterations++) {
@@ -203,8 +206,8 @@ enum gjk_state gjk_distance(const struct gjk_core *a, const struct gjk_core *b, 
         }
         struct simplex grown = s;
         grown.corner[grown.count++] = c;
-        struct vec3 next = nearest(&grown);
-        double nn = grown.count == 4 ? 0 : vec3_dot(next, next);
+        struct vec3 next = nearest(&grown, 1U << s.count);
+        double nn = grown.count == 4 ? 0 : grown.count == 0 ? vv : vec3_dot(next, next);
         if (nn >= vv) { // rounding keeps the search from coming nearer
             state = GJK_APART;
             break;

@@ -6,14 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/memory.h"
-#include "base/rng.h"
 
 extern const struct rigid_scenario rigid_settle, rigid_dam_break;
 
 static const struct rigid_scenario *const all[] = {&rigid_settle, &rigid_dam_break};
-
-enum { STREAM_POUR = 5 }; // of random numbers
 
 const struct rigid_scenario *rigid_scenario_find(const char *name)
 {
@@ -29,23 +25,57 @@ void rigid_plan_free(struct rigid_plan *plan)
     plan->bodies = NULL;
 }
 
+/* Convex parts by their corners. */
+static enum scree_status hulls(const struct body_points *points, const struct rigid_spec *m, struct composite *out,
+                               struct scree_error *err)
+{
+    struct polyhedron part[BODY_PARTS_MAX];
+    for (size_t k = 0; k < points->parts; k++) {
+        double corner[BODY_POINTS_MAX][3];
+        size_t from = points->first[k], count = points->first[k + 1] - from;
+        for (size_t v = 0; v < count; v++)
+            memcpy(corner[v], points->point[from + v], sizeof corner[v]);
+        struct scree_error why = {.message = ""};
+        enum scree_status status = polyhedron_create((const double(*)[3])corner, count, &part[k], &why);
+        if (status)
+            return scree_fail(err, status, "params.body.points_m", "params.body.points_m: part %zu: %s", k, why.message);
+    }
+    return composite_create(part, points->parts, m->density_kg_m3, m->crust_m, out, NULL, err);
+}
+
+enum { CYLINDER_SIDES = 24 };
+
 static enum scree_status shape_of(const struct body_spec *b, const struct rigid_spec *m, struct composite *out,
                                   struct scree_error *err)
 {
-    struct polyhedron box;
-    enum scree_status status;
+    struct polyhedron part;
+    struct body_points points;
+    enum scree_status status = SCREE_OK;
     switch ((enum body_shape)b->shape) {
     case BODY_CROSS:
         return composite_cross(b->length_m, b->width_m, b->thickness_m, m->density_kg_m3, m->crust_m, out, err);
     case BODY_BOX:
-        status = polyhedron_box((const double[3]){b->length_m, b->width_m, b->thickness_m}, &box, err);
-        return status ? status : composite_create(&box, 1, m->density_kg_m3, m->crust_m, out, NULL, err);
+        status = polyhedron_box((const double[3]){b->length_m, b->width_m, b->thickness_m}, &part, err);
+        break;
     case BODY_TETRAPOD:
         return composite_tetrapod(b->length_m, b->radius_m, m->density_kg_m3, m->crust_m, out, err);
     case BODY_SPHERE:
+        return composite_sphere(b->radius_m, m->density_kg_m3, out, err);
+    case BODY_PRISM:
+        status = polyhedron_prism((int)b->sides, b->radius_m, b->length_m, &part, err);
         break;
+    case BODY_CYLINDER: // a prism of the circle's area
+        status = polyhedron_prism(CYLINDER_SIDES, b->radius_m * sqrt(2 * M_PI / CYLINDER_SIDES / sin(2 * M_PI / CYLINDER_SIDES)),
+                                  b->length_m, &part, err);
+        break;
+    case BODY_HULLS:
+        status = body_points(b, &points, err);
+        return status ? status : hulls(&points, m, out, err);
+    case BODY_SPHERES:
+        status = body_points(b, &points, err);
+        return status ? status : composite_spheres((const double(*)[4])points.point, points.count, m->density_kg_m3, out, err);
     }
-    return composite_sphere(b->radius_m, m->density_kg_m3, out, err);
+    return status ? status : composite_create(&part, 1, m->density_kg_m3, m->crust_m, out, NULL, err);
 }
 
 /* Between two things of reduced mass m_ij and reduced radius R_ij (eqs 9-12, A5-A9; k_r with R_ij as the published code). */
@@ -74,6 +104,8 @@ enum scree_status rigid_fill(const struct job_spec *job, const struct body_spec 
     enum scree_status status = shape_of(body, m, &plan->shape, err);
     if (status)
         return status;
+    if ((status = rigid_step_check(job, plan->shape.mass, err)))
+        return status;
     double radius = cbrt(3 * plan->shape.volume / (4 * M_PI)); // of the sphere of its volume, as in the paper
     plan->setup.between = law_between(m, 0.5 * plan->shape.mass, 0.5 * radius, m->friction);
     plan->setup.at_wall = law_between(m, plan->shape.mass, radius, m->at_wall);
@@ -94,39 +126,4 @@ void rigid_box(struct rigid_plan *plan, double length, double width)
     plan->setup.wall_count = sizeof walls / sizeof *walls;
     plan->length = length;
     plan->width = width;
-}
-
-/* Uniform over all orientations (Shoemake 1992). */
-static void any_way(struct rng *rng, double orientation[4])
-{
-    double u = rng_uniform(rng, 0, 1), a = rng_uniform(rng, 0, 2 * M_PI), b = rng_uniform(rng, 0, 2 * M_PI);
-    orientation[0] = sqrt(1 - u) * sin(a);
-    orientation[1] = sqrt(1 - u) * cos(a);
-    orientation[2] = sqrt(u) * sin(b);
-    orientation[3] = sqrt(u) * cos(b);
-}
-
-enum scree_status rigid_pour(const struct job_spec *job, size_t count, double length, double width, struct rigid_plan *plan,
-                             struct scree_error *err)
-{
-    struct rng rng = rng_start((uint64_t)job->seed, STREAM_POUR);
-    double across = 2 * plan->shape.reach;
-    size_t along = (size_t)fmax(1, floor(length / across)), over = (size_t)fmax(1, floor(width / across));
-    const double cell[2] = {length / (double)along, width / (double)over};
-    plan->bodies = memory_rows(count, sizeof *plan->bodies);
-    if (!plan->bodies)
-        return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for %zu bodies", count);
-    for (size_t k = 0; k < count; k++) {
-        struct convex_body *b = &plan->bodies[k];
-        const size_t at[2] = {k % along, k / along % over};
-        for (int a = 0; a < 2; a++) {
-            double room = 0.5 * fmax(0, cell[a] - across);
-            b->position[a] = ((double)at[a] + 0.5) * cell[a] + rng_uniform(&rng, -room, room);
-        }
-        b->position[2] = ((double)(k / (along * over)) + 0.5) * across;
-        any_way(&rng, b->orientation);
-    }
-    plan->setup.bodies = plan->bodies;
-    plan->setup.body_count = count;
-    return SCREE_OK;
 }

@@ -34,7 +34,7 @@ enum scree_status rigid_fill(const struct job_spec *job, const struct body_spec 
 /* An open box from the origin to length, width. */
 void rigid_box(struct rigid_plan *plan, double length, double width);
 
-/* `count` bodies on a loose lattice over a floor of length times width, turned every way: none touches another. */
+/* `count` bodies over a floor of length times width, turned every way: none touches another (pour.c). */
 enum scree_status rigid_pour(const struct job_spec *job, size_t count, double length, double width, struct rigid_plan *plan,
                              struct scree_error *err);
 

@@ -125,14 +125,15 @@ const struct rigid_spec rigid_crosses = {.preset = "plastic-crosses",
                                          .crust_m = 1e-4,
                                          .average = true};
 
-static const char *const shapes[] = {"cross", "box", "tetrapod", "sphere", NULL};
+static const char *const shapes[] = {"cross", "box", "tetrapod", "sphere", "prism", "cylinder", "hulls", "spheres", NULL};
 static const struct field body_fields[] = {
     {.name = "shape",
      .type = FIELD_ENUM,
      OF(shape),
      .preset = BODY_CROSS,
      .unit = "",
-     .doc = "cross of two boxes, box, tetrapod of four six-sided legs, sphere",
+     .doc = "cross of two boxes, box, tetrapod of four six-sided legs, sphere, upright prism, cylinder (a thin one is a coin), hulls of "
+            "points, glued spheres",
      .source = "seed 001 III.B",
      .choices = shapes},
     {.name = "length_m",
@@ -142,7 +143,7 @@ static const struct field body_fields[] = {
      .max = 10,
      .preset = 0.027,
      .unit = "m",
-     .doc = "of a cross' arms from end to end, of a box; of a tetrapod's legs from its centre",
+     .doc = "of a cross' arms from end to end, of a box, a prism, a cylinder; of a tetrapod's legs from its centre",
      .source = "seed 001 III.B"},
     {.name = "width_m",
      .type = FIELD_REAL,
@@ -169,8 +170,24 @@ static const struct field body_fields[] = {
      .max = 10,
      .preset = 0.0042,
      .unit = "m",
-     .doc = "of a sphere, of a tetrapod's legs across their corners",
+     .doc = "of a sphere, a cylinder; of a prism and a tetrapod's legs to their corners",
      .source = "seed 001 III.B"},
+    {.name = "sides",
+     .type = FIELD_INT,
+     OF(sides),
+     .min = 3,
+     .max = 32,
+     .preset = 3,
+     .unit = "sides",
+     .doc = "of a prism",
+     .source = ""},
+    {.name = "points_m",
+     .type = FIELD_TEXT,
+     OF(points_m),
+     .size = BODY_POINTS_TEXT,
+     .unit = "m",
+     .doc = "of hulls: corners \"x y z, x y z, ...\" of a convex part, parts apart by \";\"; of glued spheres: \"x y z r, ...\"",
+     .source = ""},
 };
 const struct field_table body_table = {"body", "", body_fields, COUNT(body_fields), sizeof(struct body_spec)};
 
@@ -178,6 +195,23 @@ double rigid_contact_time(const struct rigid_spec *m, double reduced_mass)
 {
     double log_e = log(m->restitution);
     return sqrt(reduced_mass * (M_PI * M_PI + log_e * log_e) / m->stiffness);
+}
+
+/* Half the longest way between two points of what is listed, and a lower bound of its volume: its thinnest part's is not
+ * known here. */
+static double listed_reach(const struct body_spec *b)
+{
+    struct body_points p;
+    double most = 0;
+    if (body_points(b, &p, NULL))
+        return 0;
+    for (size_t i = 0; i < p.count; i++)
+        for (size_t k = 0; k <= i; k++) {
+            const double *u = p.point[i], *v = p.point[k];
+            double way2 = (u[0] - v[0]) * (u[0] - v[0]) + (u[1] - v[1]) * (u[1] - v[1]) + (u[2] - v[2]) * (u[2] - v[2]);
+            most = fmax(most, 0.5 * (sqrt(way2) + u[3] + v[3]));
+        }
+    return most;
 }
 
 double body_reach(const struct body_spec *b)
@@ -189,6 +223,12 @@ double body_reach(const struct body_spec *b)
         return 0.5 * sqrt(l * l + w * w + t * t);
     case BODY_TETRAPOD:
         return hypot(l, b->radius_m);
+    case BODY_PRISM:
+    case BODY_CYLINDER:
+        return hypot(0.5 * l, b->radius_m);
+    case BODY_HULLS:
+    case BODY_SPHERES:
+        return listed_reach(b);
     case BODY_SPHERE:
         break;
     }
@@ -197,7 +237,7 @@ double body_reach(const struct body_spec *b)
 
 double body_volume(const struct body_spec *b)
 {
-    double l = b->length_m, w = b->width_m, t = b->thickness_m, r = b->radius_m;
+    double l = b->length_m, w = b->width_m, t = b->thickness_m, r = b->radius_m, n = (double)b->sides;
     switch ((enum body_shape)b->shape) {
     case BODY_CROSS:
         return (2 * l - w) * w * t;
@@ -205,10 +245,38 @@ double body_volume(const struct body_spec *b)
         return l * w * t;
     case BODY_TETRAPOD:
         return 4 * l * 1.5 * sqrt(3) * r * r;
+    case BODY_PRISM:
+        return 0.5 * n * r * r * sin(2 * M_PI / n) * l;
+    case BODY_CYLINDER:
+        return M_PI * r * r * l;
+    case BODY_HULLS:
+    case BODY_SPHERES: // of the ball around it: the scenario weighs it
+        r = listed_reach(b);
+        break;
     case BODY_SPHERE:
         break;
     }
     return 4 * M_PI / 3 * r * r * r;
+}
+
+/* What the crust must leave a core of; infinite where only the scenario knows, or where no core is needed. */
+static double body_thinnest(const struct body_spec *b)
+{
+    switch ((enum body_shape)b->shape) {
+    case BODY_CROSS:
+    case BODY_BOX:
+        return fmin(b->width_m, b->thickness_m);
+    case BODY_TETRAPOD:
+        return b->radius_m;
+    case BODY_PRISM:
+    case BODY_CYLINDER:
+        return fmin(b->length_m, b->radius_m);
+    case BODY_SPHERE:
+    case BODY_HULLS:
+    case BODY_SPHERES:
+        break;
+    }
+    return INFINITY;
 }
 
 /* ---- what their scenarios share ---- */
@@ -218,6 +286,7 @@ void rigid_defaults(struct job_spec *job)
     job->time.step_s = 2.5e-6;
     job->record.basal_force.every_s = 1e-4;
     job->record.bulk.on = true;
+    job->record.heap.on = true;
 }
 
 enum { BYTES_PER_BODY = 8000 }; // with its pairs of parts where bodies are entangled
@@ -242,14 +311,31 @@ static enum scree_status check_records(const struct job_spec *job, struct scree_
     return check_intervals(job, err);
 }
 
+enum scree_status rigid_step_check(const struct job_spec *job, double mass, struct scree_error *err)
+{
+    char step[TEXT_REAL_MAX];
+    double duration = rigid_contact_time(&job->rigid, 0.5 * mass);
+    if (job->time.step_s <= duration / 8)
+        return SCREE_OK;
+    scree_fail(err, SCREE_INVALID, "time.step_s", "time.step_s: %s s is above an eighth of a contact's duration, %.3g s",
+               text_real(job->time.step_s, step), duration);
+    scree_hint(err, "a twentieth is a good choice; it grows as material.stiffness_N_m to the power -1/2");
+    return SCREE_INVALID;
+}
+
 enum scree_status rigid_check(const struct job_spec *job, const struct body_spec *body, double length, double width,
                               const char *path, struct scree_error *err)
 {
     const struct rigid_spec *m = &job->rigid;
     char a[TEXT_REAL_MAX], b[TEXT_REAL_MAX];
-    double across = 2 * body_reach(body), duration = rigid_contact_time(m, 0.5 * m->density_kg_m3 * body_volume(body));
-    double thinnest =
-        body->shape == BODY_SPHERE || body->shape == BODY_TETRAPOD ? body->radius_m : fmin(body->width_m, body->thickness_m);
+    double across = 2 * body_reach(body);
+    double thinnest = body_thinnest(body);
+    struct body_points points;
+    if (body->shape >= BODY_HULLS && body_points(body, &points, err))
+        return SCREE_INVALID;
+    if (job->threads > 1)
+        return scree_fail(err, SCREE_INVALID, "threads", "threads: %lld: worlds of rigid bodies step in one thread, several jobs at once",
+                          (long long)job->threads);
     if (fmin(length, width) < across)
         return scree_fail(err, SCREE_INVALID, fmin(length, width) == length ? path : "params.width_m",
                           "%s: %s m do not hold a body that is %s m across, whatever way it is turned",
@@ -258,15 +344,10 @@ enum scree_status rigid_check(const struct job_spec *job, const struct body_spec
     if (body->shape == BODY_CROSS && body->width_m >= body->length_m)
         return scree_fail(err, SCREE_INVALID, "params.body.width_m", "params.body.width_m: arms of %s m are wider than long, %s m",
                           text_real(body->width_m, a), text_real(body->length_m, b));
-    if (body->shape != BODY_SPHERE && m->crust_m > 0.25 * thinnest)
+    if (m->crust_m > 0.25 * thinnest)
         return scree_fail(err, SCREE_INVALID, "material.crust_m",
                           "material.crust_m: %s m leave no core to a body that is %s m thin: at most a quarter of it",
                           text_real(m->crust_m, a), text_real(thinnest, b));
-    if (job->time.step_s > duration / 8) {
-        scree_fail(err, SCREE_INVALID, "time.step_s", "time.step_s: %s s is above an eighth of a contact's duration, %.3g s",
-                   text_real(job->time.step_s, a), duration);
-        scree_hint(err, "a twentieth is a good choice; it grows as material.stiffness_N_m to the power -1/2");
-        return SCREE_INVALID;
-    }
-    return check_records(job, err);
+    enum scree_status status = rigid_step_check(job, m->density_kg_m3 * body_volume(body), err);
+    return status ? status : check_records(job, err);
 }

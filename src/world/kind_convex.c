@@ -61,13 +61,15 @@ static void release(void *body)
 }
 
 /* From a plan alone, or on from an image. */
-static enum scree_status make(const struct job_spec *job, const struct convex_image *image, void **out, struct scree_error *err)
+static enum scree_status make(const struct job_spec *job, const struct convex_image *image, const char *isa, void **out,
+                              struct scree_error *err)
 {
     struct rigid_plan plan;
     struct body *b = memory_rows(1, sizeof *b);
     if (!b)
         return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for a world");
     enum scree_status status = rigid_scenario_find(job->scenario->name)->plan(job, &plan, err);
+    plan.setup.isa = isa;
     if (!status)
         status = image ? convex_load(image, &plan.setup, &b->convex, err) : convex_create(&plan.setup, &b->convex, err);
     rigid_plan_free(&plan);
@@ -80,8 +82,7 @@ static enum scree_status make(const struct job_spec *job, const struct convex_im
 
 static enum scree_status build(const struct job_spec *job, const struct world_making *making, void **out, struct scree_error *err)
 {
-    (void)making; // one thread, no kernels of its own
-    return make(job, NULL, out, err);
+    return make(job, NULL, making->isa, out, err);
 }
 
 static enum scree_status advance(void *body, uint64_t steps, struct scree_error *err)
@@ -92,7 +93,7 @@ static enum scree_status advance(void *body, uint64_t steps, struct scree_error 
 static struct world_counts counts(const void *body)
 {
     const struct convex *c = ((const struct body *)body)->convex;
-    return (struct world_counts){convex_time(c), convex_bodies(c), 0, "x86-64"};
+    return (struct world_counts){convex_time(c), convex_bodies(c), 0, convex_isa(c)};
 }
 
 static uint64_t hash(const void *body)
@@ -131,14 +132,16 @@ static enum scree_status save(const void *body, struct world_image *image, struc
     enum scree_status status = convex_save(((const struct body *)body)->convex, &c, err);
     if (status)
         return status;
-    void *const arrays[] = {c.body, c.order, c.who, c.pair};
-    for (int k = 0; k < 4; k++)
+    void *const arrays[] = {c.body, c.group, c.group_due, c.who, c.pair_due, c.contact};
+    for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
         image->owned[image->owned_count++] = arrays[k]; // handed over
-    size_t pairs = c.scalars.near + c.scalars.wall;
-    world_image_add(image, "body", ARRAY_REAL, c.scalars.bodies * CONVEX_IMAGE_BODY, c.body);
-    world_image_add(image, "body.order", ARRAY_U32, c.scalars.bodies, c.order);
-    world_image_add(image, "pair.who", ARRAY_U32, pairs * CONVEX_IMAGE_WHO, c.who);
-    world_image_add(image, "pair", ARRAY_REAL, pairs * CONVEX_IMAGE_PAIR, c.pair);
+    const struct convex_scalars *s = &c.scalars;
+    world_image_add(image, "body", ARRAY_REAL, s->bodies * CONVEX_IMAGE_BODY, c.body);
+    world_image_add(image, "group", ARRAY_U32, (s->near + s->wall) * 2, c.group);
+    world_image_add(image, "group.due", ARRAY_REAL, s->near + s->wall, c.group_due);
+    world_image_add(image, "pair.who", ARRAY_U32, s->pairs * CONVEX_IMAGE_WHO, c.who);
+    world_image_add(image, "pair.due", ARRAY_REAL, s->pairs, c.pair_due);
+    world_image_add(image, "contact", ARRAY_REAL, s->contacts * CONVEX_IMAGE_CONTACT, c.contact);
     return world_image_copy(image, "bodies", &c.scalars, sizeof c.scalars, err);
 }
 
@@ -147,20 +150,21 @@ static enum scree_status load(const struct world_image *image, const struct worl
 {
     struct convex_image c = {0};
     const void *scalars = world_image_need(image, "bodies", ARRAY_BYTES, sizeof c.scalars);
-    (void)making;
     if (!scalars)
         return world_image_damaged("bodies", err);
     memcpy(&c.scalars, scalars, sizeof c.scalars);
     const struct convex_scalars *s = &c.scalars;
-    if (s->bodies > UINT32_MAX || s->near > UINT32_MAX || s->wall > UINT32_MAX)
+    if (s->bodies > UINT32_MAX || s->near > UINT32_MAX || s->wall > UINT32_MAX || s->pairs > UINT32_MAX || s->contacts > s->pairs)
         return world_image_damaged("bodies", err);
     c.body = world_image_need(image, "body", ARRAY_REAL, s->bodies * CONVEX_IMAGE_BODY);
-    c.order = world_image_need(image, "body.order", ARRAY_U32, s->bodies);
-    c.who = world_image_need(image, "pair.who", ARRAY_U32, (s->near + s->wall) * CONVEX_IMAGE_WHO);
-    c.pair = world_image_need(image, "pair", ARRAY_REAL, (s->near + s->wall) * CONVEX_IMAGE_PAIR);
-    if (!c.body || !c.order || !c.who || !c.pair)
+    c.group = world_image_need(image, "group", ARRAY_U32, (s->near + s->wall) * 2);
+    c.group_due = world_image_need(image, "group.due", ARRAY_REAL, s->near + s->wall);
+    c.who = world_image_need(image, "pair.who", ARRAY_U32, s->pairs * CONVEX_IMAGE_WHO);
+    c.pair_due = world_image_need(image, "pair.due", ARRAY_REAL, s->pairs);
+    c.contact = world_image_need(image, "contact", ARRAY_REAL, s->contacts * CONVEX_IMAGE_CONTACT);
+    if (!c.body || !c.group || !c.group_due || !c.who || !c.pair_due || !c.contact)
         return world_image_damaged("an array of bodies or pairs", err);
-    return make(&image->job, &c, out, err);
+    return make(&image->job, &c, making->isa, out, err);
 }
 
 const struct world_kind world_kind_convex = {

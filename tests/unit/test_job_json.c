@@ -118,8 +118,8 @@ static void refusals_name_what_was_expected(void **state)
         {"\"stop\":{\"when\":[\"rest\",3]}", "stop.when[1]", "stop.when[1]: expected a string, got a number"},
         {"\"record\":{\"basal_force\":{\"chunk\":15}}", "record.basal_force.chunk",
          "record.basal_force.chunk: 15 is outside 16..65536 samples"},
-        {"\"params\":{\"partner\":\"wall\"}", "params.partner",
-         "params.partner: \"wall\" is none of \"sphere\", \"fixed_sphere\", \"plane\""},
+        {"\"params\":{\"partner\":\"ball\"}", "params.partner",
+         "params.partner: \"ball\" is none of \"sphere\", \"fixed_sphere\", \"plane\", \"wall\", \"mirror\""},
         {"\"params\":{\"spin1_rad_s\":[0,\"x\",0]}", "params.spin1_rad_s[1]",
          "params.spin1_rad_s[1]: expected a number, got a string"},
         {"\"params\":{\"spin1_rad_s\":[0,0,1e7]}", "params.spin1_rad_s[2]",
@@ -310,7 +310,8 @@ static void the_schema_is_up_to_date(void **state)
 static void examples_are_accepted(void **state)
 {
     (void)state;
-    const char *const names[] = {"slidequake", "collision", "foerster", "rest"};
+    const char *const names[] = {"slidequake",      "collision",         "foerster",          "rest",
+                                 "calibrate-yield", "calibrate-rocking", "contact-parameters"};
     for (size_t k = 0; k < COUNT(names); k++) {
         char path[512];
         cJSON *json = NULL;

@@ -1,90 +1,97 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Not a test: settles a column of crosses (seed 001, Table I) and prints cross-steps per
- * second of processor time, with what they were spent on.
+/* Not a test: settles a column of crosses (seed 001, Table I), steps it on from one
+ * image on every instruction set, and prints cross-steps per second of processor
+ * time; then nanoseconds a pair of boxes of that column for ours, FCL and libccd.
  *
- *     bench_convex [crosses [steps to settle [steps to time]]] */
-#include <math.h>
+ *     bench_convex [crosses [seconds to settle [steps to time [side of the box, m]]]] */
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
-#include <time.h>
 
-#include "base/rng.h"
-#include "convex/convex.h"
+#include "base/cpu.h"
+#include "convex/image.h"
+#include "pairs.h"
+#include "scenario/rigid.h"
+#include "spec/scenarios.h"
 
-static double seconds(void)
+enum { ROUNDS = 5 };
+
+static struct scree_error error = {.message = ""};
+
+static int by_size(const void *x, const void *y)
 {
-    struct timespec t;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+    double a = *(const double *)x, b = *(const double *)y;
+    return (a > b) - (a < b);
 }
 
-/* Layers of nine in a box of 12 x 12 cm, turned anyhow, too far apart to touch. */
-static struct convex_body *column(size_t count)
+/* Steps on from the image; prints the median of the rounds. */
+static bool time_steps(const struct convex_image *image, struct convex_setup *setup, enum cpu_isa isa, uint64_t steps)
 {
-    struct convex_body *bodies = calloc(count, sizeof *bodies);
-    struct rng rng = rng_start(1, 1);
-    for (size_t k = 0; bodies && k < count; k++) {
-        struct quat q;
-        do
-            q = (struct quat){rng_uniform(&rng, -1, 1), rng_uniform(&rng, -1, 1), rng_uniform(&rng, -1, 1),
-                              rng_uniform(&rng, -1, 1)};
-        while (!(quat_norm2(q) > 0.01));
-        quat_store(bodies[k].orientation, quat_unit(q));
-        const double at[3] = {0.02 + 0.04 * (double)(k % 3), 0.02 + 0.04 * (double)(k / 3 % 3), 0.02 + 0.03 * (double)(k / 9)};
-        memcpy(bodies[k].position, at, sizeof at);
+    double rate[ROUNDS];
+    struct convex_counts before = {0}, after = {0};
+    setup->isa = cpu_isa_name(isa);
+    for (int k = 0; k < ROUNDS; k++) {
+        struct convex *world = NULL;
+        if (convex_load(image, setup, &world, &error))
+            return false;
+        before = convex_counts(world);
+        double start = pairs_seconds();
+        bool done = !convex_advance(world, steps, &error);
+        rate[k] = (double)setup->body_count * (double)steps / (pairs_seconds() - start);
+        after = convex_counts(world);
+        convex_free(world);
+        if (!done)
+            return false;
     }
-    return bodies;
+    qsort(rate, ROUNDS, sizeof *rate, by_size);
+    double all = (double)setup->body_count * (double)steps;
+    printf("%s: %.3g cross-steps a CPU second (%.3g to %.3g); a cross-step: %.2f distances, %.3f searched for; a list every %.0f "
+           "steps; %.0f bytes a cross\n",
+           setup->isa, rate[ROUNDS / 2], rate[0], rate[ROUNDS - 1], (double)(after.queries - before.queries) / all,
+           (double)(after.searches - before.searches) / all,
+           (double)steps / (double)(after.rebuilds > before.rebuilds ? after.rebuilds - before.rebuilds : 1),
+           (double)after.bytes / (double)setup->body_count);
+    return true;
+}
+
+static bool settle(const struct convex_setup *setup, double seconds, struct convex **world)
+{
+    if (convex_create(setup, world, &error) || convex_advance(*world, (uint64_t)(seconds / setup->step_s), &error))
+        return false;
+    struct convex_sums sums = convex_sums(*world);
+    double crosses = (double)setup->body_count;
+    printf("%zu crosses after %g s: mean speed %.3g m/s, %.2f touching pairs of boxes a cross, %.1f listed\n", setup->body_count,
+           seconds, sums.speed_mean, 2 * (double)sums.contacts / crosses, (double)convex_counts(*world).pairs / crosses);
+    return true;
 }
 
 int main(int argc, char **argv)
 {
-    size_t count = argc > 1 ? strtoul(argv[1], NULL, 10) : 200;
-    uint64_t settle = argc > 2 ? strtoul(argv[2], NULL, 10) : 200000, timed = argc > 3 ? strtoul(argv[3], NULL, 10) : 5000;
-    static const struct convex_wall walls[] = {{{0, 0, 0}, {0, 0, 1}},
-                                               {{0, 0, 0}, {1, 0, 0}},
-                                               {{0, 0, 0}, {0, 1, 0}},
-                                               {{0.12, 0, 0}, {-1, 0, 0}},
-                                               {{0, 0.12, 0}, {0, -1, 0}}};
-    struct composite cross;
-    struct scree_error error = {.message = ""};
+    size_t count = argc > 1 ? strtoul(argv[1], NULL, 10) : 300;
+    double seconds = argc > 2 ? strtod(argv[2], NULL) : 0.4, side = argc > 4 ? strtod(argv[4], NULL) : 0.07;
+    uint64_t steps = argc > 3 ? strtoul(argv[3], NULL, 10) : 2000;
+    static struct job_spec job;
+    struct rigid_plan plan = {.bodies = NULL};
+    struct convex_image image = {.body = NULL};
     struct convex *world = NULL;
-    struct convex_body *bodies = column(count);
+    job_defaults(&job, &scenario_settle_fields);
+    struct settle_params *p = (struct settle_params *)(void *)job.params;
+    p->count = (int64_t)count;
+    p->length_m = p->width_m = side;
     int result = 1;
-    if (!bodies || composite_cross(27e-3, 2e-3, 3e-3, 770, 1e-4, &cross, &error))
+    if (rigid_scenario_find("settle")->plan(&job, &plan, &error) || !settle(&plan.setup, seconds, &world) ||
+        convex_save(world, &image, &error))
         goto out;
-    struct convex_setup setup = {.step_s = 2.5e-6,
-                                 .gravity = {0, 0, -9.81},
-                                 .shapes = &cross,
-                                 .shape_count = 1,
-                                 .bodies = bodies,
-                                 .body_count = count,
-                                 .walls = walls,
-                                 .wall_count = 5,
-                                 .average = true};
-    setup.between =
-        (struct spring_pair){.stiffness = 4.5e5, .damping = 0.76, .stiffness_t = 300, .damping_t = 0.24, .friction = 0.46};
-    setup.at_wall =
-        (struct spring_pair){.stiffness = 4.5e5, .damping = 1.07, .stiffness_t = 300, .damping_t = 0.48, .friction = 0.62};
-    if (convex_create(&setup, &world, &error) || convex_advance(world, settle, &error))
+    for (enum cpu_isa isa = CPU_V2; isa < CPU_ISA_COUNT; isa++)
+        if (cpu_has(isa) && !time_steps(&image, &plan.setup, isa, steps))
+            goto out;
+    if (pairs_compare(world, &plan.shape, &error))
         goto out;
-    struct convex_counts before = convex_counts(world);
-    double start = seconds();
-    if (convex_advance(world, timed, &error))
-        goto out;
-    double spent = seconds() - start;
-    struct convex_counts after = convex_counts(world);
-    struct convex_sums sums = convex_sums(world);
-    double steps = (double)count * (double)timed;
-    printf("%zu crosses, mean speed %.3g m/s, %.2f contacts a cross, %.1f listed pairs of parts a cross\n", count, sums.speed_mean,
-           2 * (double)sums.contacts / (double)count, (double)after.pairs / (double)count);
-    printf("%.3g cross-steps a CPU second; %.3f distances a cross-step; a list every %.0f steps\n", steps / spent,
-           (double)(after.queries - before.queries) / steps, (double)timed / fmax(1, (double)(after.rebuilds - before.rebuilds)));
     result = 0;
 out:
     if (result)
         fprintf(stderr, "%s\n", error.message[0] ? error.message : "no memory");
+    convex_image_free(&image);
     convex_free(world);
-    free(bodies);
+    rigid_plan_free(&plan);
     return result;
 }
