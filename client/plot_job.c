@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A job's force, spectrum and profiles; see plot.h.
+/* A job's force, spectrum, profiles and collapse; see plot.h.
  *
  * A force stream has millions of samples and a picture a thousand columns: samples
  * are gathered into bins of equal time, each with mean, least and largest value of
@@ -11,11 +11,13 @@
 #include "calibrate/digits.h"
 #include "output.h"
 #include "plot.h"
+#include "plot_heap.h"
 #include "plot_profiles.h"
 #include "reader.h"
 
 #define FORCE    "basal_force"
 #define PROFILES "profiles"
+#define HEAP     "heap"
 #define SPECTRUM "spectrum" // or its mean, once the job has ended
 
 enum { BINS = 900, COMPONENTS = 3, WIDTH = 1000, HEIGHT = 340, READ_SECONDS = 60 };
@@ -231,7 +233,20 @@ static enum outcome read_newest(struct link *link, const cJSON *record, const ch
 
 static int rows_of(const cJSON *record)
 {
-    return 2 + (chunks_of(record, SPECTRUM) > 0) + (chunks_of(record, PROFILES) > 0);
+    return 2 + (chunks_of(record, SPECTRUM) > 0) + (chunks_of(record, PROFILES) > 0) + (chunks_of(record, HEAP) > 0);
+}
+
+static struct plot_heap_scales heap_scales(const cJSON *record)
+{
+    const cJSON *params = json_get(json_get(record, "spec"), "params");
+    return (struct plot_heap_scales){.gate_s = json_number(params, "settle_s", NAN),
+                                     .length = json_number(params, "column_m", NAN),
+                                     .gravity = json_number(params, "gravity_m_s2", NAN),
+                                     .height = params && json_get(params, "column_m") ? number_of(record, "column_height") : NAN,
+                                     .runout = number_of(record, "runout"),
+                                     .runout_least = number_of(record, "runout_least"),
+                                     .runout_most = number_of(record, "runout_most"),
+                                     .final_height = number_of(record, "pile_height")};
 }
 
 /* Where the next plot goes: a row of `rows`, from the top, under the title. */
@@ -247,6 +262,7 @@ static enum outcome write_script(struct link *link, const cJSON *record, struct 
     const char *id = json_text(record, "id"), *title = json_text(record, "title"), *state = json_text(record, "state");
     struct spectrum spectrum = {.script = p->script, .frequency = -1};
     struct plot_profiles profiles = {.script = p->script};
+    struct plot_heap heap = {.script = p->script};
     int row = 0, rows = rows_of(record);
     char heading[200];
     enum outcome outcome = read_chunks(link, id, FORCE, 0, chunks_of(record, FORCE), take_force, t, err);
@@ -254,6 +270,9 @@ static enum outcome write_script(struct link *link, const cJSON *record, struct 
         outcome = read_newest(link, record, SPECTRUM "_mean", SPECTRUM, take_spectrum, &spectrum, err);
     if (!outcome)
         outcome = read_newest(link, record, PROFILES "_mean", PROFILES, plot_profiles_take, &profiles, err);
+    if (!outcome)
+        outcome = read_chunks(link, id, HEAP, 0, chunks_of(record, HEAP), plot_heap_take, &heap, err);
+    plot_heap_end(&heap);
     if (outcome)
         return outcome;
     snprintf(heading, sizeof heading, "%.20s  %.60s  %.20s  %.20s", id, json_text(record, "scenario"), state,
@@ -270,8 +289,14 @@ static enum outcome write_script(struct link *link, const cJSON *record, struct 
         draw_spectrum(p, record, &spectrum);
         row++;
     }
-    if (profiles.rows > 0)
+    if (profiles.rows > 0) {
         plot_profiles_draw(&profiles, 0.95 - 0.95 * (row + 1) / rows, 0.95 / rows);
+        row++;
+    }
+    if (heap.rows > 0) {
+        const struct plot_heap_scales scales = heap_scales(record);
+        plot_heap_draw(&heap, &scales, 0.95 - 0.95 * (row + 1) / rows, 0.95 / rows);
+    }
     fprintf(p->script, "unset multiplot\n");
     return OUTCOME_DONE;
 }
