@@ -30,7 +30,8 @@ void plot_heap_end(const struct plot_heap *h)
 static void panel(FILE *script, int k, double low, double high)
 {
     fprintf(script,
-            "unset label\nunset arrow\nunset logscale\nset format xy '%%g'\nset key inside right top font ',9' samplen 1\nset xtics font ',9'\nset xrange [*:*]\nset yrange "
+            "unset label\nunset arrow\nunset logscale\nset format xy '%%g'\nset key inside right top font ',9' samplen 1\nset "
+            "xtics font ',9'\nset xrange [*:*]\nset yrange "
             "[0:*]\nset lmargin at screen %.3f\nset rmargin at screen %.3f\nset origin 0,%.6g\nset size 1,%.6g\n",
             0.07 + 0.33 * k, 0.3 + 0.33 * k, low, high);
 }
@@ -68,8 +69,9 @@ void plot_heap_draw(const struct plot_heap *h, const struct plot_heap_scales *s,
     panel(h->script, 0, low, high);
     draw_speed(h->script, s);
     panel(h->script, 1, low, high);
-    fprintf(h->script, "set xlabel 'time (s)'\nset ylabel 'height (m)'\nplot $heap using 1:5 with lines lw 1.5 lc rgb '#0072b2' title "
-                       "'highest body of the core', $heap using 1:4 with lines lw 1.5 lc rgb '#009e73' title 'centre of mass'");
+    fprintf(h->script,
+            "set xlabel 'time (s)'\nset ylabel 'height (m)'\nplot $heap using 1:5 with lines lw 1.5 lc rgb '#0072b2' title "
+            "'highest body of the core', $heap using 1:4 with lines lw 1.5 lc rgb '#009e73' title 'centre of mass'");
     if (isfinite(s->final_height) && s->height > 0)
         fprintf(h->script, ", %.9g with lines dt 2 lc rgb '#444444' title 'H', %.9g with lines dt 3 lc rgb '#444444' title 'H0'",
                 s->final_height, s->height);

@@ -81,8 +81,8 @@ static void bad_shapes_are_refused(void **state)
     static const struct {
         const char *points, *message;
     } all[] = {
-        {CUBE ", 0.01 0.01 0.01", "no corner"},                           // a dent: not convex
-        {"0 0 0, 0.02 0 0, 0 0.02 0, 0.02 0.02 0", "part 0"},             // flat: no volume
+        {CUBE ", 0.01 0.01 0.01", "no corner"},                                  // a dent: not convex
+        {"0 0 0, 0.02 0 0, 0 0.02 0, 0.02 0.02 0", "part 0"},                    // flat: no volume
         {CUBE ";0.1 0 0, 0.12 0 0, 0.1 0.02 0, 0.1 0 0.02", "shares no volume"}, // apart
     };
     for (size_t k = 0; k < COUNT(all); k++) {
@@ -91,8 +91,8 @@ static void bad_shapes_are_refused(void **state)
         if (!strstr(error.message, all[k].message))
             fail_msg("\"%s\" says nothing of \"%s\"", error.message, all[k].message);
     }
-    static const char *const unreadable[] = {"",        "0 0",          "0 0 0 0",         "0 0 x",     "0 0 0,",
-                                             "0 0 nan", "0x1 0 0",      "0 0 0, 1 2 3; ;", "0 0 1e400", "0 0 11"};
+    static const char *const unreadable[] = {"",        "0 0",     "0 0 0 0",         "0 0 x",     "0 0 0,",
+                                             "0 0 nan", "0x1 0 0", "0 0 0, 1 2 3; ;", "0 0 1e400", "0 0 11"};
     for (size_t k = 0; k < COUNT(unreadable); k++) {
         settle(BODY_HULLS, unreadable[k]);
         struct scree_error err = {0};
@@ -161,8 +161,8 @@ static void no_instruction_set_shows(void **state)
 static void network_on_a_made_up_view(void **state)
 {
     (void)state;
-    struct view_body body[3] = {{.mass = 1, .position = {0.2, 0, 0.2}}, {.mass = 1, .position = {0.8, 0, 0.2}},
-                                {.mass = 2, .position = {0.8, 0, 0.8}}};
+    struct view_body body[3] = {
+        {.mass = 1, .position = {0.2, 0, 0.2}}, {.mass = 1, .position = {0.8, 0, 0.2}}, {.mass = 2, .position = {0.8, 0, 0.8}}};
     struct view_contact contact[] = {
         {.a = 0, .b = 1, .point = {0.5, 0, 0.2}, .force = {3, 0, 0}},
         {.a = 1, .b = 2, .point = {0.8, 0, 0.6}, .force = {0, 0, 1}},
