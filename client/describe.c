@@ -32,6 +32,9 @@ static void value_text(const struct field *row, const void *value, char out[CELL
             snprintf(out + strlen(out), CELL_MAX - strlen(out), "%s%s%s", a ? ", " : "[",
                      text_real(((const double *)value)[a], number), a == 2 ? "]" : "");
         break;
+    case FIELD_ROWS:
+        snprintf(out, CELL_MAX, field_rows_count(value) ? "%lld rows" : "[]", (long long)field_rows_count(value));
+        break;
     case FIELD_ENUM:
         snprintf(out, CELL_MAX, "\"%s\"", row->choices[*(const int *)value]);
         break;
@@ -54,7 +57,7 @@ static void range_text(const struct field *row, char out[CELL_MAX])
 {
     char low[TEXT_REAL_MAX], high[TEXT_REAL_MAX];
     *out = 0;
-    if (row->type == FIELD_REAL || row->type == FIELD_INT || row->type == FIELD_VEC3)
+    if (row->type == FIELD_REAL || row->type == FIELD_INT || row->type == FIELD_VEC3 || row->type == FIELD_ROWS)
         snprintf(out, CELL_MAX, "%s..%s", text_real(row->min, low), text_real(row->max, high));
     else if (row->type == FIELD_SWITCH)
         snprintf(out, CELL_MAX, "{} or null");

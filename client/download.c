@@ -106,7 +106,7 @@ static enum outcome attempt(struct link *link, const struct wanted *w, const cha
         if (w->format)
             json_put_text(body, "format", w->format);
     }
-    enum outcome outcome = link_request_slow(link, "fetch", body, &made, err);
+    enum outcome outcome = link_request_slow(link, "fetch", true, body, &made, err);
     if (outcome)
         return outcome;
     *out = (struct download){.bytes = json_number(made, "bytes", 0), .complete = json_bool(made, "complete", false)};

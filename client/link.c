@@ -2,9 +2,9 @@
 /* See link.h.
  *
  * A quick request that is not answered in LINK_RETRY_S is sent again over a fresh
- * socket; a slow one (fetch builds a file) must not be started twice, so pings go
- * out instead, and only an answer from another process id, a restarted daemon,
- * makes it go out again. */
+ * socket. A slow one is kept company by pings; one that must not be started twice
+ * (fetch builds a file) goes out again only when an answer comes from another
+ * process id, a restarted daemon. */
 #include "link.h"
 
 #include <stdio.h>
@@ -99,7 +99,7 @@ struct request {
     char id[PROTOCOL_ID_MAX + 1], ping_id[PROTOCOL_ID_MAX + 1];
     const char *op;
     const cJSON *body;
-    bool slow;
+    bool slow, once;   // takes long; must not be started twice
     double patience_s; // silence of the daemon that is borne
 };
 
@@ -172,8 +172,9 @@ static enum outcome converse(struct link *link, const struct request *request, c
             send_op(link, request->ping_id, "ping", NULL);
         } else {
             reconnect(link);
-            send_op(link, request->id, request->op, request->body);
         }
+        if (!request->once)
+            send_op(link, request->id, request->op, request->body);
     }
 }
 
@@ -195,11 +196,11 @@ static enum outcome unwrap(cJSON *reply, cJSON **result, struct scree_error *err
     return outcome;
 }
 
-static enum outcome ask(struct link *link, const char *op, cJSON *body, bool slow, double patience_s, cJSON **result,
-                        struct scree_error *err)
+/* What is asked for in `request`; its body is taken over. */
+static enum outcome ask(struct link *link, struct request request, cJSON *body, cJSON **result, struct scree_error *err)
 {
-    struct request request = {.op = op, .body = body, .slow = slow, .patience_s = patience_s};
     cJSON *reply = NULL;
+    request.body = body;
     snprintf(request.id, sizeof request.id, "%s-%lu", link->prefix, ++link->requests);
     snprintf(request.ping_id, sizeof request.ping_id, "%s-%lu-ping", link->prefix, link->requests);
     *result = NULL;
@@ -212,16 +213,16 @@ static enum outcome ask(struct link *link, const char *op, cJSON *body, bool slo
 
 enum outcome link_request(struct link *link, const char *op, cJSON *body, cJSON **result, struct scree_error *err)
 {
-    return ask(link, op, body, false, LINK_SILENCE_S, result, err);
+    return ask(link, (struct request){.op = op, .patience_s = LINK_SILENCE_S}, body, result, err);
 }
 
-enum outcome link_request_slow(struct link *link, const char *op, cJSON *body, cJSON **result, struct scree_error *err)
+enum outcome link_request_slow(struct link *link, const char *op, bool once, cJSON *body, cJSON **result, struct scree_error *err)
 {
     cJSON *pong = NULL; // for the process id that later pings are compared with
     enum outcome outcome = link_ping(link, LINK_SILENCE_S, &pong, err);
     cJSON_Delete(pong);
     if (!outcome)
-        return ask(link, op, body, true, LINK_SILENCE_S, result, err);
+        return ask(link, (struct request){.op = op, .slow = true, .once = once, .patience_s = LINK_SILENCE_S}, body, result, err);
     cJSON_Delete(body);
     return outcome;
 }
@@ -236,7 +237,7 @@ enum outcome link_job(struct link *link, const char *op, const char *job, cJSON 
 
 enum outcome link_ping(struct link *link, double seconds, cJSON **result, struct scree_error *err)
 {
-    enum outcome outcome = ask(link, "ping", NULL, false, seconds, result, err);
+    enum outcome outcome = ask(link, (struct request){.op = "ping", .patience_s = seconds}, NULL, result, err);
     if (!outcome)
         link->pid = json_number(*result, "pid", 0);
     return outcome;

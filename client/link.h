@@ -28,8 +28,9 @@ void link_close(struct link *link);
 /* Asks and waits for the answer. `body` is taken over (NULL: {}), *result is the caller's. */
 enum outcome link_request(struct link *link, const char *op, cJSON *body, cJSON **result, struct scree_error *err);
 
-/* The same for an operation that may take minutes, during which the daemon answers pings. */
-enum outcome link_request_slow(struct link *link, const char *op, cJSON *body, cJSON **result, struct scree_error *err);
+/* The same for an operation that may take minutes, during which the daemon answers pings. `once`: it must not be
+ * started twice; others go out again when their answer may have been lost. */
+enum outcome link_request_slow(struct link *link, const char *op, bool once, cJSON *body, cJSON **result, struct scree_error *err);
 
 /* One request about one job: the body is {"job": job}. */
 enum outcome link_job(struct link *link, const char *op, const char *job, cJSON **result, struct scree_error *err);

@@ -9,9 +9,15 @@
 /* The force on the base against time, and its spectrum if that is recorded. `record` is of `show`. */
 enum outcome plot_job(struct link *link, const cJSON *record, const char *file, struct scree_error *err);
 
-/* A search: bracket and trials against the round; a sweep: a number of the summary against a parameter.
- * `x` and `y` name columns of the table, NULL for the first that tell something. */
-enum outcome plot_study(struct link *link, const cJSON *record, const char *x, const char *y, const char *file,
+/* How a sweep is drawn. */
+struct plot_sweep {
+    const char *x, *y; // columns of the table, NULL for the first that tell something
+    const char *by;    // the column whose values get a line each; NULL: all that differ beside x
+    bool log;          // both axes logarithmic, and a power law fitted to each line
+};
+
+/* A search: bracket and trials against the round; a sweep: a number of the summary against a parameter. */
+enum outcome plot_study(struct link *link, const cJSON *record, const struct plot_sweep *how, const char *file,
                         struct scree_error *err);
 
 #endif

@@ -6,7 +6,29 @@
 
 #include <math.h>
 
+#include "output.h"
+#include "plot_read.h"
+
 enum { TIME, SPEED, RATIO, CENTRE_X, CENTRE_Z, CORE_TOP, COLUMNS };
+
+/* What a collapse is measured in; NaN where there is no gate, or it has not gone. */
+struct plot_heap_scales {
+    double gate_s, length, height, gravity; // L_0, H_0, m, m/s2
+    double runout, runout_least, runout_most, final_height;
+};
+
+static struct plot_heap_scales scales_of(const cJSON *record)
+{
+    const cJSON *params = json_get(json_get(record, "spec"), "params");
+    return (struct plot_heap_scales){.gate_s = json_number(params, "settle_s", NAN),
+                                     .length = json_number(params, "column_m", NAN),
+                                     .gravity = json_number(params, "gravity_m_s2", NAN),
+                                     .height = json_get(params, "column_m") ? plot_number_of(record, "column_height") : NAN,
+                                     .runout = plot_number_of(record, "runout"),
+                                     .runout_least = plot_number_of(record, "runout_least"),
+                                     .runout_most = plot_number_of(record, "runout_most"),
+                                     .final_height = plot_number_of(record, "pile_height")};
+}
 
 void plot_heap_take(void *context, const struct reader_chunk *chunk)
 {
@@ -64,8 +86,9 @@ static void draw_runout(FILE *script, const struct plot_heap_scales *s)
             s->height / l, s->runout / l - 1, fmax(s->runout_least / l - 1, 1e-3), s->runout_most / l - 1);
 }
 
-void plot_heap_draw(const struct plot_heap *h, const struct plot_heap_scales *s, double low, double high)
+void plot_heap_draw(const struct plot_heap *h, const cJSON *record, double low, double high)
 {
+    const struct plot_heap_scales scales = scales_of(record), *s = &scales;
     panel(h->script, 0, low, high);
     draw_speed(h->script, s);
     panel(h->script, 1, low, high);

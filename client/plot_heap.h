@@ -16,13 +16,7 @@ struct plot_heap {
 void plot_heap_take(void *context, const struct reader_chunk *chunk);
 void plot_heap_end(const struct plot_heap *heap);
 
-/* What a collapse is measured in; NaN where there is no gate, or it has not gone. */
-struct plot_heap_scales {
-    double gate_s, length, height, gravity; // L_0, H_0, m, m/s2
-    double runout, runout_least, runout_most, final_height;
-};
-
 /* The plots, between `low` and `low + high` of the picture's height. */
-void plot_heap_draw(const struct plot_heap *heap, const struct plot_heap_scales *scales, double low, double high);
+void plot_heap_draw(const struct plot_heap *heap, const cJSON *record, double low, double high);
 
 #endif

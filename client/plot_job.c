@@ -1,9 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A job's force, spectrum, profiles and collapse; see plot.h.
- *
- * A force stream has millions of samples and a picture a thousand columns: samples
- * are gathered into bins of equal time, each with mean, least and largest value of
- * every component, while the stream is read. */
+/* A job's force, spectrum, profiles, surface and collapse; see plot.h. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,126 +7,33 @@
 #include "calibrate/digits.h"
 #include "output.h"
 #include "plot.h"
+#include "plot_chute.h"
+#include "plot_force.h"
 #include "plot_heap.h"
 #include "plot_profiles.h"
-#include "reader.h"
+#include "plot_read.h"
+#include "plot_surface.h"
 
 #define FORCE    "basal_force"
-#define PROFILES "profiles"
 #define HEAP     "heap"
+#define PROFILES "profiles"
 #define SPECTRUM "spectrum" // or its mean, once the job has ended
+#define SURFACE  "surface"
 
-enum { BINS = 900, COMPONENTS = 3, WIDTH = 1000, HEIGHT = 340, READ_SECONDS = 60 };
-
-struct bin {
-    double count, sum[COMPONENTS], least[COMPONENTS], most[COMPONENTS];
-};
-
-struct trace {
-    double begin, end; // s
-    struct bin bins[BINS];
-    double spent; // of READ_SECONDS
-};
-
-static void add_chunk(struct trace *t, const struct reader_chunk *chunk)
-{
-    for (size_t r = 0; r < chunk->rows && chunk->columns >= COMPONENTS; r++) {
-        double at = (chunk->t0_s + (double)r * chunk->dt_s - t->begin) / (t->end - t->begin) * BINS;
-        struct bin *b = &t->bins[at < 0 ? 0 : at >= BINS ? BINS - 1 : (int)at];
-        for (int c = 0; c < COMPONENTS; c++) {
-            double value = chunk->values[r * chunk->columns + (size_t)c];
-            b->sum[c] += value;
-            b->least[c] = b->count == 0 ? value : fmin(b->least[c], value);
-            b->most[c] = b->count == 0 ? value : fmax(b->most[c], value);
-        }
-        b->count++;
-    }
-}
-
-/* Hands every chunk from `from` up to the stream's `count` to `take`. */
-static enum outcome read_chunks(struct link *link, const char *job, const char *stream, uint64_t from, uint64_t count,
-                                void (*take)(void *, const struct reader_chunk *), void *context, struct scree_error *err)
-{
-    struct reader *reader = NULL;
-    struct reader_chunk chunk;
-    enum outcome outcome = from < count ? reader_open(link, job, stream, from, &reader, err) : OUTCOME_DONE;
-    double quiet = now_s();
-    while (!outcome && reader && reader_position(reader) < count) {
-        switch (reader_next(reader, 200, &chunk, err)) {
-        case READER_CHUNK:
-            take(context, &chunk);
-            quiet = now_s();
-            break;
-        case READER_QUIET:
-            if (now_s() - quiet > READ_SECONDS)
-                outcome = outcome_fail(err, OUTCOME_UNREACHABLE, "the stream %s of %s has been silent for %d s", stream, job,
-                                       READ_SECONDS);
-            break;
-        case READER_END:
-            count = 0;
-            break;
-        case READER_ERROR:
-            outcome = OUTCOME_FAILED;
-            break;
-        case READER_DAMAGED:
-            outcome = outcome_fail(err, OUTCOME_FAILED, "the stream %s of %s did not arrive whole", stream, job);
-            break;
-        }
-    }
-    reader_close(reader);
-    return outcome;
-}
-
-static void take_force(void *context, const struct reader_chunk *chunk)
-{
-    add_chunk(context, chunk);
-}
-
-static uint64_t chunks_of(const cJSON *record, const char *stream)
-{
-    double chunks = json_number(json_get(json_get(record, "streams"), stream), "chunks", 0);
-    return chunks > 0 ? (uint64_t)chunks : 0;
-}
-
-static double number_of(const cJSON *record, const char *name)
-{
-    const cJSON *row;
-    cJSON_ArrayForEach(row, json_get(record, "numbers"))
-    {
-        const char *here = json_text(row, "name");
-        if (here && strcmp(here, name) == 0)
-            return json_number(row, "value", NAN);
-    }
-    return NAN;
-}
+enum { WIDTH = 1000, HEIGHT = 340, COMPONENTS = PLOT_FORCE_COMPONENTS };
 
 /* ---- the force ---- */
-
-static void write_trace(struct picture *p, const struct trace *t)
-{
-    fprintf(p->script, "$force << EOD\n");
-    for (int k = 0; k < BINS; k++) {
-        const struct bin *b = &t->bins[k];
-        if (b->count == 0)
-            continue;
-        fprintf(p->script, "%.9g", t->begin + (k + 0.5) / BINS * (t->end - t->begin));
-        for (int c = 0; c < COMPONENTS; c++)
-            fprintf(p->script, " %.9g %.9g %.9g", b->sum[c] / b->count, b->least[c], b->most[c]);
-        putc('\n', p->script);
-    }
-    fprintf(p->script, "EOD\n");
-}
 
 static const char *const names[COMPONENTS] = {"Fx, downslope", "Fy, cross-slope", "Fz, normal"};
 static const char *const colours[COMPONENTS] = {"#0072b2", "#009e73", "#d55e00"};
 
 /* Means over the bins: what carries the weight of the flow. */
-static void draw_means(struct picture *p, const cJSON *record, const struct trace *t)
+static void draw_means(struct picture *p, const cJSON *record, const struct plot_force *t)
 {
     char bin[TEXT_MAX];
-    double weight = number_of(record, "weight_normal");
+    double weight = plot_number_of(record, "weight_normal");
     fprintf(p->script, "set xlabel 'time (s), means over %s s'\nset ylabel 'force on the base (N)'\n",
-            text_number(digits_round((t->end - t->begin) / BINS, 2), bin));
+            text_number(digits_round((t->end - t->begin) / PLOT_FORCE_BINS, 2), bin));
     fprintf(p->script,
             "set lmargin at screen 0.09\nset rmargin at screen 0.8\nset xrange [%.9g:%.9g]\nset key outside right top reverse Left "
             "samplen 2\nplot ",
@@ -197,7 +100,7 @@ static void take_spectrum(void *context, const struct reader_chunk *chunk)
 /* The fit, where there is one, in black, its corner marked. */
 static void draw_spectrum(struct picture *p, const cJSON *record, const struct spectrum *s)
 {
-    double corner = number_of(record, "spectrum_corner"), power = number_of(record, "spectrum_power");
+    double corner = plot_number_of(record, "spectrum_corner"), power = plot_number_of(record, "spectrum_power");
     bool fitted = corner > 0 && power > 0;
     fprintf(p->script, "set logscale xy\nset format xy '%%.0e'\nset xlabel 'frequency (Hz)'\nset ylabel 'power, two-sided "
                        "(N2/Hz)'\n");
@@ -226,27 +129,45 @@ static void draw_spectrum(struct picture *p, const cJSON *record, const struct s
 static enum outcome read_newest(struct link *link, const cJSON *record, const char *means, const char *windows,
                                 void (*take)(void *, const struct reader_chunk *), void *context, struct scree_error *err)
 {
-    const char *stream = chunks_of(record, means) > 0 ? means : windows;
-    uint64_t last = chunks_of(record, stream);
-    return last > 0 ? read_chunks(link, json_text(record, "id"), stream, last - 1, last, take, context, err) : OUTCOME_DONE;
+    const char *stream = plot_chunks_of(record, means) > 0 ? means : windows;
+    uint64_t last = plot_chunks_of(record, stream);
+    return last > 0 ? plot_read_chunks(link, json_text(record, "id"), stream, last - 1, last, take, context, err) : OUTCOME_DONE;
+}
+
+/* A continuum has no collisions, hence no blows to show. */
+static bool has_blows(const cJSON *record)
+{
+    return plot_chunks_of(record, SURFACE) == 0;
+}
+
+/* What there is of a flow down a chute: four snapshots spread over it, layers as of a third of it. */
+static enum outcome read_chute(struct link *link, const cJSON *record, struct plot_chute *plot, struct scree_error *err)
+{
+    const char *id = json_text(record, "id");
+    uint64_t snapshots = plot_chunks_of(record, "snapshots"), layers = plot_chunks_of(record, "layers");
+    enum outcome outcome =
+        plot_read_chunks(link, id, "walls", 0, plot_chunks_of(record, "walls"), plot_chute_take_walls, plot, err);
+    for (uint64_t k = 0; k < PLOT_CHUTE_FRAMES && snapshots > 0 && !outcome; k++) {
+        static const int percent[PLOT_CHUTE_FRAMES] = {10, 22, 38, 100};
+        uint64_t at = (snapshots - 1) * (uint64_t)percent[k] / 100;
+        outcome = plot_read_chunks(link, id, "snapshots", at, at + 1, plot_chute_take_snapshot, plot, err);
+    }
+    if (!outcome)
+        outcome =
+            plot_read_chunks(link, id, "fragments", 0, plot_chunks_of(record, "fragments"), plot_chute_take_bodies, plot, err);
+    if (!outcome)
+        outcome = plot_read_chunks(link, id, "flow", 0, plot_chunks_of(record, "flow"), plot_chute_take_flow, plot, err);
+    if (!outcome && layers > 0)
+        outcome = plot_read_chunks(link, id, "layers", layers / 3, layers / 3 + 1, plot_chute_take_layers, plot, err);
+    return outcome;
 }
 
 static int rows_of(const cJSON *record)
 {
-    return 2 + (chunks_of(record, SPECTRUM) > 0) + (chunks_of(record, PROFILES) > 0) + (chunks_of(record, HEAP) > 0);
-}
-
-static struct plot_heap_scales heap_scales(const cJSON *record)
-{
-    const cJSON *params = json_get(json_get(record, "spec"), "params");
-    return (struct plot_heap_scales){.gate_s = json_number(params, "settle_s", NAN),
-                                     .length = json_number(params, "column_m", NAN),
-                                     .gravity = json_number(params, "gravity_m_s2", NAN),
-                                     .height = params && json_get(params, "column_m") ? number_of(record, "column_height") : NAN,
-                                     .runout = number_of(record, "runout"),
-                                     .runout_least = number_of(record, "runout_least"),
-                                     .runout_most = number_of(record, "runout_most"),
-                                     .final_height = number_of(record, "pile_height")};
+    bool force = plot_chunks_of(record, FORCE) > 0;
+    return (plot_chunks_of(record, "walls") > 0 ? PLOT_CHUTE_ROWS : 0) + force + (force && has_blows(record)) +
+           (plot_chunks_of(record, SPECTRUM) > 0) + (plot_chunks_of(record, PROFILES) > 0) + (plot_chunks_of(record, SURFACE) > 0) +
+           (plot_chunks_of(record, HEAP) > 0);
 }
 
 /* Where the next plot goes: a row of `rows`, from the top, under the title. */
@@ -256,34 +177,51 @@ static void place_row(struct picture *p, int row, int rows)
     fprintf(p->script, "set origin 0,%.6g\nset size 1,%.6g\n", 0.95 - (row + 1) * high, high);
 }
 
-static enum outcome write_script(struct link *link, const cJSON *record, struct picture *p, struct trace *t,
+static enum outcome write_script(struct link *link, const cJSON *record, struct picture *p, struct plot_force *t,
                                  struct scree_error *err)
 {
     const char *id = json_text(record, "id"), *title = json_text(record, "title"), *state = json_text(record, "state");
     struct spectrum spectrum = {.script = p->script, .frequency = -1};
     struct plot_profiles profiles = {.script = p->script};
+    struct plot_chute chute = {.script = p->script};
+    struct plot_surface surface = {.script = p->script};
     struct plot_heap heap = {.script = p->script};
     int row = 0, rows = rows_of(record);
     char heading[200];
-    enum outcome outcome = read_chunks(link, id, FORCE, 0, chunks_of(record, FORCE), take_force, t, err);
+    enum outcome outcome = plot_read_chunks(link, id, FORCE, 0, plot_chunks_of(record, FORCE), plot_force_take, t, err);
     if (!outcome)
         outcome = read_newest(link, record, SPECTRUM "_mean", SPECTRUM, take_spectrum, &spectrum, err);
     if (!outcome)
         outcome = read_newest(link, record, PROFILES "_mean", PROFILES, plot_profiles_take, &profiles, err);
     if (!outcome)
-        outcome = read_chunks(link, id, HEAP, 0, chunks_of(record, HEAP), plot_heap_take, &heap, err);
+        outcome = read_chute(link, record, &chute, err);
+    if (!outcome)
+        outcome = plot_read_chunks(link, id, SURFACE, 0, plot_chunks_of(record, SURFACE), plot_surface_take, &surface, err);
+    if (!outcome)
+        outcome = plot_read_chunks(link, id, HEAP, 0, plot_chunks_of(record, HEAP), plot_heap_take, &heap, err);
     plot_heap_end(&heap);
     if (outcome)
         return outcome;
     snprintf(heading, sizeof heading, "%.20s  %.60s  %.20s  %.20s", id, json_text(record, "scenario"), state,
              json_text(record, "verdict"));
-    write_trace(p, t);
+    plot_force_write(p, "$force", t);
     fprintf(p->script, "set multiplot ");
     picture_title(p, "title", heading, title);
-    place_row(p, row++, rows);
-    draw_means(p, record, t);
-    place_row(p, row++, rows);
-    draw_extremes(p);
+    for (int k = 0; chute.walls > 0 && k < PLOT_CHUTE_ROWS; k++, row++)
+        plot_chute_draw(&chute, k, 0.95 - 0.95 * (row + 1) / rows, 0.95 / rows);
+    if (plot_chunks_of(record, FORCE) > 0) {
+        place_row(p, row++, rows);
+        draw_means(p, record, t);
+        if (has_blows(record)) {
+            place_row(p, row++, rows);
+            draw_extremes(p);
+        }
+    }
+    if (surface.frames > 0) {
+        const cJSON *wait = json_get(json_get(json_get(record, "spec"), "params"), "gate_wait_s");
+        place_row(p, row++, rows);
+        plot_surface_draw(p, &surface, cJSON_IsNumber(wait) ? wait->valuedouble : 0);
+    }
     place_row(p, row, rows);
     if (spectrum.rows > 0) {
         draw_spectrum(p, record, &spectrum);
@@ -293,10 +231,8 @@ static enum outcome write_script(struct link *link, const cJSON *record, struct 
         plot_profiles_draw(&profiles, 0.95 - 0.95 * (row + 1) / rows, 0.95 / rows);
         row++;
     }
-    if (heap.rows > 0) {
-        const struct plot_heap_scales scales = heap_scales(record);
-        plot_heap_draw(&heap, &scales, 0.95 - 0.95 * (row + 1) / rows, 0.95 / rows);
-    }
+    if (heap.rows > 0)
+        plot_heap_draw(&heap, record, 0.95 - 0.95 * (row + 1) / rows, 0.95 / rows);
     fprintf(p->script, "unset multiplot\n");
     return OUTCOME_DONE;
 }
@@ -305,12 +241,12 @@ enum outcome plot_job(struct link *link, const cJSON *record, const char *file, 
 {
     const char *id = json_text(record, "id");
     struct picture picture;
-    if (chunks_of(record, FORCE) == 0) {
+    if (plot_chunks_of(record, FORCE) == 0 && plot_chunks_of(record, SURFACE) == 0) {
         outcome_fail(err, OUTCOME_REFUSED, "%.20s has no force on a base to draw", id ? id : "the job");
         scree_hint(err, "record.basal_force must be on, and its first chunk be there");
         return OUTCOME_REFUSED;
     }
-    struct trace *trace = calloc(1, sizeof *trace);
+    struct plot_force *trace = calloc(1, sizeof *trace);
     if (!trace)
         return outcome_fail(err, OUTCOME_FAILED, "no memory for a picture");
     trace->end = json_number(record, "time_s", 0);

@@ -4,7 +4,6 @@
 #include "plot_profiles.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "calibrate/digits.h"
 
@@ -21,23 +20,13 @@ static const struct curve {
     {2, 1, "dt2", "tangential speed", "#009e73"},
     {3, 1e-12, "n_I", "", "#0072b2"},
 };
-enum { CURVES = sizeof curves / sizeof *curves, PANELS = 4 };
+enum { CURVES = sizeof curves / sizeof *curves, PANELS = PLOT_PROFILE_PANELS };
 static const char *const axes[PANELS] = {"share", "u_x (m/s)", "T, impact speed squared (m2/s2)", "impacts (1/(mm3 ms))"};
-
-static int column_of(const struct reader_chunk *chunk, const char *name)
-{
-    for (size_t c = 0; c < chunk->columns; c++) {
-        const char *here = cJSON_GetStringValue(cJSON_GetArrayItem(chunk->column_names, (int)c));
-        if (here && strcmp(here, name) == 0)
-            return (int)c;
-    }
-    return -1;
-}
 
 void plot_profiles_take(void *context, const struct reader_chunk *chunk)
 {
     struct plot_profiles *p = context;
-    int z = column_of(chunk, "z"), phi = column_of(chunk, "phi");
+    int z = reader_column(chunk, "z"), phi = reader_column(chunk, "phi");
     if (z < 0 || phi < 0)
         return;
     fprintf(p->script, "$profiles << EOD\n");
@@ -45,10 +34,10 @@ void plot_profiles_take(void *context, const struct reader_chunk *chunk)
         const double *row = chunk->values + r * chunk->columns;
         fprintf(p->script, "%.9g", 1e3 * row[z]);
         for (size_t k = 0; k < CURVES; k++) { // what nothing was seen of has no value
-            int c = column_of(chunk, curves[k].column);
+            int c = reader_column(chunk, curves[k].column);
             bool there = c >= 0 && (row[c] != 0 || curves[k].panel == 0);
-            if (there && curves[k].panel == 3)
-                p->impacts = fmax(p->impacts, row[c] * curves[k].scale);
+            double *largest = &p->largest[curves[k].panel];
+            *largest = there ? fmax(*largest, row[c] * curves[k].scale) : *largest;
             fprintf(p->script, there ? " %.9g" : " ?", there ? row[c] * curves[k].scale : 0);
         }
         putc('\n', p->script);
@@ -69,8 +58,10 @@ void plot_profiles_draw(const struct plot_profiles *p, double low, double high)
         fprintf(p->script, "set origin %.6g,%.6g\nset size %.6g,%.6g\nset xlabel '%s'\n", panel / (double)PANELS, low, 1.0 / PANELS,
                 high, axes[panel]);
         fprintf(p->script, panel == 2 ? "set logscale x\nset format x '%%.0e'\n" : panel == 0 ? "set xrange [0:1]\n" : "");
-        if (panel == 3 && p->impacts > 0)
-            fprintf(p->script, "set xtics 0,%.9g\n", digits_round(p->impacts / 3, 1));
+        if (panel % 2 && p->largest[panel] > 0) // linear, and narrow: gnuplot's own tics would run into each other
+            fprintf(p->script, "set xtics 0,%.9g\n", digits_round(p->largest[panel] / 3, 1));
+        else
+            fprintf(p->script, "set xtics autofreq\n");
         fprintf(p->script, "plot ");
         for (int k = 0; k < (int)CURVES; k++)
             if (curves[k].panel == panel)

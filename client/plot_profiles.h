@@ -7,10 +7,11 @@
 
 #include "reader.h"
 
+enum { PLOT_PROFILE_PANELS = 4 };
 struct plot_profiles {
     FILE *script;
-    double top;     // of what flows, mm
-    double impacts; // most, as drawn
+    double top;                          // of what flows, mm
+    double largest[PLOT_PROFILE_PANELS]; // as drawn
     size_t rows;
 };
 

@@ -7,7 +7,9 @@
 
 #include "output.h"
 #include "plot.h"
+#include "plot_mobility.h"
 #include "plot_models.h"
+#include "plot_pair.h"
 #include "spec/field.h"
 
 enum { WIDTH = 900, HEIGHT = 600, SERIES_MAX = 24, GROUPS_MAX = 4, LABEL_MAX = 160 };
@@ -197,7 +199,7 @@ static enum outcome no_column(const struct columns *c, const char *name, struct 
 }
 
 /* Settles what is drawn against what. */
-static enum outcome choose(struct columns *c, const char *x, const char *y, struct scree_error *err)
+static enum outcome choose(struct columns *c, const struct plot_sweep *how, struct scree_error *err)
 {
     static const char *const telling[] = {"mean_velocity", "restitution"}; // before what follows from the spec alone
     int last = 2, count = cJSON_GetArraySize(c->heads), first_number;
@@ -210,12 +212,15 @@ static enum outcome choose(struct columns *c, const char *x, const char *y, stru
         last -= extra_seed; // it tells replicas apart, and is drawn against only when nothing else is there
     c->parameters = last - 2;
     first_number = find_column(c, "wall") + 1;
-    c->x = x ? find_column(c, x) : -1;
-    c->y = y ? find_column(c, y) : -1;
-    if (x && c->x < 0)
-        return no_column(c, x, err);
-    if (y && c->y < 0)
-        return no_column(c, y, err);
+    c->x = how->x ? find_column(c, how->x) : -1;
+    c->y = how->y ? find_column(c, how->y) : -1;
+    int by = how->by ? find_column(c, how->by) : -1;
+    if (how->x && c->x < 0)
+        return no_column(c, how->x, err);
+    if (how->y && c->y < 0)
+        return no_column(c, how->y, err);
+    if (how->by && by < 0)
+        return no_column(c, how->by, err);
     for (int k = 2; k < last && c->x < 0; k++)
         c->x = tells_something(c, k, false) ? k : -1;
     if (c->x < 0) // only replicas, or only words: against the seed or the trial's number
@@ -229,7 +234,7 @@ static enum outcome choose(struct columns *c, const char *x, const char *y, stru
     if (c->y < 0)
         return outcome_fail(err, OUTCOME_REFUSED, "the trials that have ended do not differ in any number yet");
     for (int k = 2; k < last && c->group_count < GROUPS_MAX; k++)
-        if (k != c->x && tells_something(c, k, true))
+        if (how->by ? k == by : k != c->x && tells_something(c, k, true))
             c->groups[c->group_count++] = k;
     return OUTCOME_DONE;
 }
@@ -246,6 +251,7 @@ static void series_label(const struct columns *c, const cJSON *row, char *out, s
         length += (size_t)snprintf(out + length, size - length, "%s%s %.40s", length ? ", " : "", dot ? dot + 1 : name,
                                    cJSON_IsNumber(cell)   ? text_number(cell->valuedouble, number)
                                    : cJSON_IsString(cell) ? cell->valuestring
+                                   : cJSON_IsBool(cell)   ? (cJSON_IsTrue(cell) ? "yes" : "no")
                                                           : "-");
     }
 }
@@ -316,8 +322,33 @@ static void write_series(struct picture *p, const struct point *points, size_t c
     }
 }
 
-/* A logarithmic axis where all is above 0 and spans more than a factor of fifty. */
-static void set_axis(struct picture *p, const struct columns *c, int column, char axis)
+/* y = factor x^exponent, least squares in the logarithms; factor 0 where there are not two places to fit. */
+struct power {
+    double factor, exponent;
+};
+static void fit_power(const struct point *points, size_t count, int series, struct power *out)
+{
+    double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
+    for (size_t k = 0; k < count; k++) {
+        if (points[k].series != series || !(points[k].x > 0 && points[k].y > 0))
+            continue;
+        double x = log(points[k].x), y = log(points[k].y);
+        n++;
+        sx += x;
+        sy += y;
+        sxx += x * x;
+        sxy += x * y;
+    }
+    double spread = n * sxx - sx * sx;
+    *out = (struct power){0};
+    if (!(spread > 1e-9 * sxx))
+        return;
+    out->exponent = (n * sxy - sx * sy) / spread;
+    out->factor = exp((sy - out->exponent * sx) / n);
+}
+
+/* A logarithmic axis where all is above 0 and it is wished for or spans more than a factor of fifty. */
+static void set_axis(struct picture *p, const struct columns *c, int column, char axis, bool log)
 {
     const cJSON *row;
     double least = INFINITY, most = -INFINITY, value;
@@ -333,29 +364,35 @@ static void set_axis(struct picture *p, const struct columns *c, int column, cha
     fprintf(p->script, "set %clabel ", axis);
     picture_quote(p, label);
     putc('\n', p->script);
-    if (least > 0 && most > 50 * least)
+    if (log && least > 0)
+        fprintf(p->script, "set logscale %c\nset %crange [%.9g:%.9g]\n", axis, axis, 0.8 * least, 1.25 * most);
+    else if (least > 0 && most > 50 * least)
         fprintf(p->script, "set logscale %c\nset format %c '%%.1e'\n", axis, axis);
     else
         fprintf(p->script, "set %srange [] noextend\nset offsets graph 0.05, graph 0.05, graph 0.05, graph 0.05\n",
                 axis == 'x' ? "x" : "y");
 }
 
-static enum outcome draw_sweep(const cJSON *record, const cJSON *table, const char *x, const char *y, struct picture *p,
+static enum outcome draw_sweep(const cJSON *record, const cJSON *table, const struct plot_sweep *how, struct picture *p,
                                struct scree_error *err)
 {
     struct columns c = {.heads = json_get(table, "columns"), .rows = json_get(table, "rows")};
     char labels[SERIES_MAX][LABEL_MAX];
+    struct power fits[SERIES_MAX] = {{0}};
     int series;
-    enum outcome outcome = choose(&c, x, y, err);
+    enum outcome outcome = choose(&c, how, err);
     struct point *points = outcome ? NULL : calloc((size_t)cJSON_GetArraySize(c.rows) + 1, sizeof *points);
     if (!points)
         return outcome ? outcome : outcome_fail(err, OUTCOME_FAILED, "no memory for a picture");
     size_t count = collect(&c, points, labels, &series);
     write_series(p, points, count, series);
+    if (how->log)
+        for (int k = 0; k < series; k++)
+            fit_power(points, count, k, &fits[k]);
     free(points);
     heading(p, record, "set title");
-    set_axis(p, &c, c.x, 'x');
-    set_axis(p, &c, c.y, 'y');
+    set_axis(p, &c, c.x, 'x', how->log);
+    set_axis(p, &c, c.y, 'y', how->log);
     fprintf(p->script, "set key outside right top reverse Left\nplot ");
     for (int k = 0; k < series; k++) {
         if (c.x >= 2 && c.x < 2 + c.parameters) // means over a measured number would join what does not belong together
@@ -367,33 +404,52 @@ static enum outcome draw_sweep(const cJSON *record, const cJSON *table, const ch
         if (*labels[k])
             picture_quote(p, labels[k]);
         fprintf(p->script, ", ");
+        if (fits[k].factor > 0)
+            fprintf(p->script, "%.9g * x**%.9g with lines lw 1.2 lc rgb '%s' dt 2 title '%.2f x^%.2f', ", fits[k].factor,
+                    fits[k].exponent, colours[k % COLOURS], fits[k].factor, fits[k].exponent);
     }
     fprintf(p->script, "NaN notitle\n");
     return OUTCOME_DONE;
 }
 
-/* Flows whose force has a spectrum. */
-static enum outcome draw_powers(const cJSON *record, const cJSON *table, struct picture *p)
+/* Sweeps that a paper has a figure of: drawn like it, unless columns are named. */
+static const struct special {
+    bool (*fits)(const cJSON *table);
+    void (*draw)(struct picture *picture, const cJSON *table);
+    int width, height;
+} specials[] = {{plot_models_fit, plot_models_draw, WIDTH, HEIGHT},
+                {plot_mobility_fit, plot_mobility_draw, PLOT_MOBILITY_WIDTH, PLOT_MOBILITY_HEIGHT}};
+
+static const struct special *special_of(const cJSON *table)
 {
-    heading(p, record, "set multiplot title");
-    plot_models_draw(p, table);
-    fprintf(p->script, "unset multiplot\n");
-    return OUTCOME_DONE;
+    for (size_t k = 0; table && k < sizeof specials / sizeof *specials; k++)
+        if (specials[k].fits(table))
+            return &specials[k];
+    return NULL;
 }
 
-enum outcome plot_study(struct link *link, const cJSON *record, const char *x, const char *y, const char *file,
+enum outcome plot_study(struct link *link, const cJSON *record, const struct plot_sweep *how, const char *file,
                         struct scree_error *err)
 {
-    struct picture picture;
+    struct picture picture = {0};
     cJSON *table = NULL;
     const char *kind = json_text(record, "kind"), *id = json_text(record, "id");
-    bool search = kind && strcmp(kind, "sweep") != 0 && !x && !y;
-    enum outcome outcome = picture_start(&picture, file, WIDTH, HEIGHT, err);
+    bool named = how->x || how->y, search = kind && strcmp(kind, "sweep") != 0 && !named;
+    bool pair = !named && !search && plot_pair_fits(record);
+    enum outcome outcome = search || pair ? OUTCOME_DONE : link_job(link, "table", id ? id : "", &table, err);
+    const struct special *special = named ? NULL : special_of(table);
+    if (!outcome)
+        outcome = picture_start(&picture, file, special ? special->width : WIDTH, special ? special->height : HEIGHT, err);
     if (!outcome && search)
         outcome = draw_search(record, &picture, err);
-    else if (!outcome && !(outcome = link_job(link, "table", id ? id : "", &table, err)))
-        outcome = !x && !y && plot_models_fit(table) ? draw_powers(record, table, &picture)
-                                                     : draw_sweep(record, table, x, y, &picture, err);
+    else if (!outcome && pair)
+        outcome = plot_pair_draw(link, record, &picture, err);
+    else if (!outcome && special) {
+        heading(&picture, record, "set multiplot title");
+        special->draw(&picture, table);
+        fprintf(picture.script, "unset multiplot\n");
+    } else if (!outcome)
+        outcome = draw_sweep(record, table, how, &picture, err);
     if (!outcome)
         outcome = picture_draw(&picture, err);
     picture_free(&picture);

@@ -158,3 +158,13 @@ enum reader_event reader_next(struct reader *reader, int milliseconds, struct re
         return READER_QUIET;
     return whole(header, "chunks") == reader->next ? READER_END : damaged(err, "too few before the end");
 }
+
+int reader_column(const struct reader_chunk *chunk, const char *name)
+{
+    for (size_t c = 0; c < chunk->columns; c++) {
+        const char *here = cJSON_GetStringValue(cJSON_GetArrayItem(chunk->column_names, (int)c));
+        if (here && strcmp(here, name) == 0)
+            return (int)c;
+    }
+    return -1;
+}

@@ -22,6 +22,9 @@ struct reader_chunk {
     const cJSON *column_names, *units; // arrays of strings, until the next call
 };
 
+/* Which column of a chunk has that name; -1: none. */
+int reader_column(const struct reader_chunk *chunk, const char *name);
+
 enum reader_event {
     READER_QUIET,   // nothing came in time
     READER_CHUNK,   // *chunk is the next one

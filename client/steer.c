@@ -16,7 +16,7 @@ enum outcome steer(struct link *link, const char *op, const char *job, cJSON *se
     json_put_text(body, "job", job);
     if (set)
         json_put(body, "set", set);
-    return link_request_slow(link, op, body, result, err);
+    return link_request_slow(link, op, false, body, result, err);
 }
 
 const char *steer_when(const cJSON *result, char *out, size_t size)

@@ -110,6 +110,8 @@ static void describe_values(const cJSON *values, char *out, size_t size)
     *out = 0;
     cJSON_ArrayForEach(value, values)
     {
+        if (strcmp(value->string, "paper") == 0)
+            continue; // has lines of its own
         const char *dot = strrchr(value->string, '.');
         char number[TEXT_MAX],
             *text = cJSON_IsNumber(value) ? strdup(text_number(value->valuedouble, number)) : json_print(value, false);
@@ -152,10 +154,25 @@ static void print_trials(const cJSON *record)
     table_end(&table, 2);
 }
 
+/* What the paper says of single trials. */
+static void print_papers(const cJSON *record)
+{
+    const cJSON *trial;
+    cJSON_ArrayForEach(trial, json_get(record, "trials"))
+    {
+        const char *job = json_text(trial, "job"), *paper = json_text(trial, "paper");
+        if (job && paper && *paper && json_get(json_get(trial, "values"), "paper"))
+            line(job, paper);
+    }
+}
+
 void study_print(const cJSON *record, const char *file, const char *text_file)
 {
     const char *hint = json_text(json_get(record, "error"), "hint"), *why = json_text(record, "why");
+    const char *paper = json_text(record, "paper");
     print_state(record);
+    if (paper && *paper)
+        line("paper", paper);
     print_counts(record);
     if (*summary_error(record))
         line("error", summary_error(record));
@@ -166,6 +183,7 @@ void study_print(const cJSON *record, const char *file, const char *text_file)
     print_answers(record);
     print_bracket(record);
     print_trials(record);
+    print_papers(record);
     if (file)
         line("result", file);
     if (text_file)

@@ -106,15 +106,22 @@ const char *summary_error(const cJSON *record)
 
 void summary_print(const cJSON *record, const char *file)
 {
-    const char *verdict = json_text(record, "verdict"), *evidence = json_text(record, "evidence");
+    const char *verdict = json_text(record, "verdict"), *evidence = json_text(record, "evidence"),
+               *paper = json_text(record, "paper");
+    bool calculated = json_number(record, "grains", 0) == 0 && json_number(record, "steps", 0) > 0; // no world, no verdict
     char text[1024];
     print_state(record);
-    snprintf(text, sizeof text, "%.40s%s%.900s", verdict ? verdict : "undecided", evidence && *evidence ? ": " : "",
-             evidence ? evidence : "");
-    line("verdict", text);
+    if (paper && *paper)
+        line("paper", paper);
+    if (!calculated) {
+        snprintf(text, sizeof text, "%.40s%s%.900s", verdict ? verdict : "undecided", evidence && *evidence ? ": " : "",
+                 evidence ? evidence : "");
+        line("verdict", text);
+    }
     if (*summary_error(record))
         line("error", summary_error(record));
-    print_run(record);
+    if (!calculated)
+        print_run(record);
     print_force(record);
     print_numbers(record);
     if (file)

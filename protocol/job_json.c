@@ -127,6 +127,32 @@ static enum scree_status decode_vec3(const cJSON *item, const char *path, double
     return SCREE_OK;
 }
 
+static enum scree_status decode_rows(const struct field *row, const cJSON *item, const char *path, void *out,
+                                     struct scree_error *err)
+{
+    char full[SCREE_PATH_MAX];
+    double *numbers = field_rows_numbers(out);
+    int64_t count = 0;
+    if (!cJSON_IsArray(item))
+        return wrong_type(path, "an array of arrays of numbers", item, err);
+    if ((size_t)cJSON_GetArraySize(item) > row->size)
+        return scree_fail(err, SCREE_INVALID, path, "%s: %d rows are more than the %zu that are accepted", path,
+                          cJSON_GetArraySize(item), row->size);
+    memset(out, 0, field_value_size(row));
+    for (const cJSON *line = item->child; line; line = line->next, count++) {
+        snprintf(full, sizeof full, "%.200s[%lld]", path, (long long)count);
+        if (!cJSON_IsArray(line) || (size_t)cJSON_GetArraySize(line) != row->columns)
+            return scree_fail(err, SCREE_INVALID, full, "%s: expected an array of %zu numbers", full, row->columns);
+        for (const cJSON *part = line->child; part; part = part->next) {
+            if (!cJSON_IsNumber(part))
+                return wrong_type(full, "numbers", part, err);
+            *numbers++ = part->valuedouble;
+        }
+    }
+    *(int64_t *)out = count;
+    return SCREE_OK;
+}
+
 static enum scree_status decode_row(const struct field *row, const cJSON *item, const char *path, void *value,
                                     struct scree_error *err)
 {
@@ -147,6 +173,8 @@ static enum scree_status decode_row(const struct field *row, const cJSON *item, 
         return decode_text(row, item, path, value, err);
     case FIELD_VEC3:
         return decode_vec3(item, path, value, err);
+    case FIELD_ROWS:
+        return decode_rows(row, item, path, value, err);
     case FIELD_ENUM:
         return decode_choice(row, item, path, value, err);
     case FIELD_FLAGS:
@@ -295,6 +323,15 @@ cJSON *field_encode(const struct field *row, const void *value)
         for (int a = 0; a < 3 && array; a++)
             cJSON_AddItemToArray(array, json_real(((const double *)value)[a]));
         return array;
+    case FIELD_ROWS:
+        array = cJSON_CreateArray();
+        for (size_t k = 0; array && k < (size_t)field_rows_count(value); k++) {
+            cJSON *line = cJSON_CreateArray();
+            for (size_t c = 0; line && c < row->columns; c++)
+                cJSON_AddItemToArray(line, json_real(field_rows_numbers_const(value)[k * row->columns + c]));
+            cJSON_AddItemToArray(array, line);
+        }
+        return array;
     case FIELD_ENUM:
         return cJSON_CreateString(row->choices[*(const int *)value]);
     case FIELD_FLAGS:
@@ -381,8 +418,8 @@ enum scree_status job_json_set(cJSON *json, const char *assignment, struct scree
 
 /* ---- descriptions ---- */
 
-static const char *const type_words[] = {"number", "integer", "boolean", "text",  "vector of three numbers",
-                                         "choice", "choices", "object",  "switch"};
+static const char *const type_words[] = {"number",          "integer", "boolean", "text",   "vector of three numbers",
+                                         "rows of numbers", "choice",  "choices", "object", "switch"};
 
 cJSON *table_describe(const struct field_table *table)
 {
@@ -398,9 +435,13 @@ cJSON *table_describe(const struct field_table *table)
             break;
         json_put_text(item, "name", row->name);
         json_put_text(item, "type", type_words[row->type]);
-        if (row->type == FIELD_REAL || row->type == FIELD_INT || row->type == FIELD_VEC3) {
+        if (row->type == FIELD_REAL || row->type == FIELD_INT || row->type == FIELD_VEC3 || row->type == FIELD_ROWS) {
             json_put_real(item, "min", row->min);
             json_put_real(item, "max", row->max);
+        }
+        if (row->type == FIELD_ROWS) {
+            json_put_int(item, "rows", (long long)row->size);
+            json_put_int(item, "columns", (long long)row->columns);
         }
         if (row->type != FIELD_GROUP)
             json_put(item, "default", field_encode(row, defaults + row->offset));

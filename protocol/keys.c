@@ -14,6 +14,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/memory.h"
+
 static const char *const role_words[] = {"none", "view", "submit", "steer", "admin"};
 
 const char *role_word(enum role role)
@@ -162,16 +164,12 @@ static bool read_words(FILE *file, char *line, int size, char *words[4], int *co
     return false;
 }
 
-static enum scree_status read_keys(const char *path, mode_t forbidden, bool secret, struct key_pair *out, struct scree_error *err)
+enum scree_status keys_parse(FILE *file, const char *path, bool secret, struct key_pair *out, struct scree_error *err)
 {
-    FILE *file;
     char line[256], *words[4];
     int count;
     bool good = true;
     *out = (struct key_pair){0};
-    enum scree_status status = open_checked(path, forbidden, &file, err);
-    if (status)
-        return status;
     while (good && read_words(file, line, sizeof line, words, &count)) {
         good = count == 2 && key_valid(words[1]);
         if (good && strcmp(words[0], "public") == 0)
@@ -181,7 +179,6 @@ static enum scree_status read_keys(const char *path, mode_t forbidden, bool secr
         else
             good = false;
     }
-    fclose(file);
     explicit_bzero(line, sizeof line);
     if (!good || !*out->public_key || (secret && !*out->secret_key)) {
         explicit_bzero(out, sizeof *out);
@@ -189,6 +186,18 @@ static enum scree_status read_keys(const char *path, mode_t forbidden, bool secr
                           secret ? "secret" : "public");
     }
     return SCREE_OK;
+}
+
+static enum scree_status read_keys(const char *path, mode_t forbidden, bool secret, struct key_pair *out, struct scree_error *err)
+{
+    FILE *file;
+    *out = (struct key_pair){0};
+    enum scree_status status = open_checked(path, forbidden, &file, err);
+    if (status)
+        return status;
+    status = keys_parse(file, path, secret, out, err);
+    fclose(file);
+    return status;
 }
 
 enum scree_status keys_read_pair(const char *path, struct key_pair *out, struct scree_error *err)
@@ -255,19 +264,17 @@ static enum scree_status trusted_path(const char *folder, const char *ending, ch
     return SCREE_OK;
 }
 
-enum scree_status trusted_read(const char *folder, struct trusted **list, size_t *count, struct scree_error *err)
+enum scree_status trusted_parse(FILE *file, const char *path, struct trusted **list, size_t *count, struct scree_error *err)
 {
-    char path[PATH_MAX], line[256], *words[4];
-    FILE *file = NULL;
+    char line[256], *words[4];
     int found;
-    enum scree_status status = trusted_path(folder, "", path, err);
+    size_t room = 0;
+    enum scree_status status = SCREE_OK;
+    *list = NULL;
     *count = 0;
-    *list = status ? NULL : calloc(TRUSTED_MAX, sizeof **list);
-    if (!*list)
-        return status ? status : scree_fail(err, SCREE_NO_MEMORY, "keys", "no memory for the trusted keys");
-    if ((status = open_checked(path, 022, &file, err)) == SCREE_NOT_FOUND)
-        return SCREE_OK;
-    while (!status && read_words(file, line, sizeof line, words, &found)) {
+    while (!status && file && read_words(file, line, sizeof line, words, &found)) {
+        if ((status = memory_grow((void **)list, &room, *count + 1, sizeof **list, err)))
+            break;
         struct trusted *t = &(*list)[*count];
         if (*count == TRUSTED_MAX)
             status = scree_fail(err, SCREE_CORRUPT, "keys", "%s has more than %d keys", path, TRUSTED_MAX);
@@ -276,18 +283,45 @@ enum scree_status trusted_read(const char *folder, struct trusted **list, size_t
                 scree_fail(err, SCREE_CORRUPT, "keys", "%s: key %zu is not `view|submit|steer|admin NAME KEY`", path, *count + 1);
         if (status)
             break;
+        memset(t, 0, sizeof *t);
         t->role = role_of(words[0]);
         snprintf(t->name, sizeof t->name, "%s", words[1]);
         snprintf(t->key, sizeof t->key, "%s", words[2]);
         ++*count;
     }
-    if (file)
-        fclose(file);
     if (status) {
         free(*list);
         *list = NULL;
         *count = 0;
     }
+    return status;
+}
+
+char *trusted_print(const struct trusted *list, size_t count)
+{
+    size_t room = 128 * (count + 2), length;
+    char *text = malloc(room);
+    if (!text)
+        return NULL;
+    length = (size_t)snprintf(text, room, "# scree: whom the daemon lets in, `ROLE NAME KEY`. Written by scree trust.\n");
+    for (size_t k = 0; k < count; k++)
+        length += (size_t)snprintf(text + length, room - length, "%s %s %s\n", role_word(list[k].role), list[k].name, list[k].key);
+    return text;
+}
+
+enum scree_status trusted_read(const char *folder, struct trusted **list, size_t *count, struct scree_error *err)
+{
+    char path[PATH_MAX];
+    FILE *file = NULL;
+    *list = NULL;
+    *count = 0;
+    enum scree_status status = trusted_path(folder, "", path, err);
+    if (!status && (status = open_checked(path, 022, &file, err)) == SCREE_NOT_FOUND)
+        status = SCREE_OK; // nobody is trusted yet
+    if (!status)
+        status = trusted_parse(file, path, list, count, err);
+    if (file)
+        fclose(file);
     return status;
 }
 
@@ -297,13 +331,9 @@ enum scree_status trusted_write(const char *folder, const struct trusted *list, 
     enum scree_status status;
     if ((status = trusted_path(folder, "", path, err)) || (status = trusted_path(folder, ".new", beside, err)))
         return status;
-    size_t room = 128 * (count + 2), length;
-    char *text = malloc(room);
+    char *text = trusted_print(list, count);
     if (!text)
         return scree_fail(err, SCREE_NO_MEMORY, "keys", "no memory for the trusted keys");
-    length = (size_t)snprintf(text, room, "# scree: whom the daemon lets in, `ROLE NAME KEY`. Written by scree trust.\n");
-    for (size_t k = 0; k < count; k++)
-        length += (size_t)snprintf(text + length, room - length, "%s %s %s\n", role_word(list[k].role), list[k].name, list[k].key);
     unlink(beside); // left by a call that was killed
     status = write_new(beside, 0600, text, err);
     free(text);

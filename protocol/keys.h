@@ -11,6 +11,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdio.h>
 
 #include "base/status.h"
 
@@ -42,6 +43,8 @@ enum scree_status keys_folder_check(const char *folder, struct scree_error *err)
 enum scree_status keys_read_pair(const char *path, struct key_pair *out, struct scree_error *err);
 /* Reads a NAME.pub, the same failures but for who can read it. */
 enum scree_status keys_read_public(const char *path, struct key_pair *out, struct scree_error *err);
+/* What either does with an open file; the path is for messages. */
+enum scree_status keys_parse(FILE *file, const char *path, bool secret, struct key_pair *out, struct scree_error *err);
 /* Writes FOLDER/NAME.key (0600) and FOLDER/NAME.pub (0644); SCREE_INVALID if one is there. */
 enum scree_status keys_write_pair(const char *folder, const char *name, const struct key_pair *pair, struct scree_error *err);
 
@@ -56,8 +59,12 @@ struct trusted {
 enum { TRUSTED_MAX = 1024 };
 
 /* Reads FOLDER/trusted: lines `ROLE NAME KEY`, # starts a comment line. *list is
- * the caller's (free). No file is an empty list; others that could write it: SCREE_DENIED. */
+ * the caller's (free), NULL if it is empty. No file is an empty list; others that could write it: SCREE_DENIED. */
 enum scree_status trusted_read(const char *folder, struct trusted **list, size_t *count, struct scree_error *err);
+/* The same of an open file, NULL: there is none. */
+enum scree_status trusted_parse(FILE *file, const char *path, struct trusted **list, size_t *count, struct scree_error *err);
+/* The file's text, the caller's (free); NULL without memory. */
+char *trusted_print(const struct trusted *list, size_t count);
 /* Replaces the file in one step. */
 enum scree_status trusted_write(const char *folder, const struct trusted *list, size_t count, struct scree_error *err);
 

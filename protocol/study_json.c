@@ -89,12 +89,12 @@ cJSON *job_value_at(const struct job_spec *job, const char *path, const char **u
 }
 
 /* The job with one value set, decoded: what is wrong with the value is said at `path`. */
-static enum scree_status try_value(const struct study_plan *plan, const char *dotted, const cJSON *value, const char *path,
+static enum scree_status try_value(const cJSON *base, const char *dotted, const cJSON *value, const char *path,
                                    struct scree_error *err)
 {
     struct job_spec job;
     struct scree_error inner = {0};
-    cJSON *json = cJSON_Duplicate(plan->job, true);
+    cJSON *json = cJSON_Duplicate(base, true);
     enum scree_status status = json ? job_value_set(json, dotted, value, &inner) : SCREE_NO_MEMORY;
     if (!status)
         status = job_decode(json, &job, &inner);
@@ -238,14 +238,15 @@ static bool is_seed(const struct study_plan *plan, const char *path)
 }
 
 /* Takes note that trials differ at a path; `where` says where the path stands. */
-static enum scree_status add_column(struct study_plan *plan, const char *dotted, const char *where, struct scree_error *err)
+static enum scree_status add_column(struct study_plan *plan, struct job_spec *base, const char *dotted, const char *where,
+                                    struct scree_error *err)
 {
     const struct field *row;
     void *address;
     for (size_t k = 0; k < plan->column_count; k++)
         if (strcmp(plan->columns[k], dotted) == 0)
             return SCREE_OK;
-    enum scree_status status = find_value(&plan->base, dotted, where, &row, &address, err);
+    enum scree_status status = find_value(base, dotted, where, &row, &address, err);
     if (status)
         return status;
     if (plan->spec.replicas > 1 && is_seed(plan, dotted))
@@ -295,7 +296,7 @@ static enum scree_status decode_axis(const cJSON *item, struct study_plan *plan,
     struct study_axis *axis = &plan->axes[plan->axis_count];
     char path[SCREE_PATH_MAX];
     snprintf(path, sizeof path, "grid.%s", item->string);
-    enum scree_status status = add_column(plan, item->string, path, err);
+    enum scree_status status = add_column(plan, &plan->base, item->string, path, err);
     if (status)
         return status;
     snprintf(axis->path, sizeof axis->path, "%s", item->string);
@@ -315,7 +316,7 @@ static enum scree_status decode_axis(const cJSON *item, struct study_plan *plan,
         if (index >= SWEEP_TRIALS_MAX)
             return scree_fail(err, SCREE_INVALID, path, "%s: more than the %d trials that a sweep may have", path,
                               SWEEP_TRIALS_MAX);
-        status = try_value(plan, axis->path, value, at, err);
+        status = try_value(plan->job, axis->path, value, at, err);
     }
     plan->shape.counts[plan->axis_count - 1] = (size_t)index;
     return status;
@@ -332,28 +333,45 @@ static enum scree_status decode_grid(const cJSON *grid, struct study_plan *plan,
     return status;
 }
 
+/* One case: its values are of its own scenario where it names one. */
+static enum scree_status decode_case(const cJSON *item, const char *name, struct study_plan *plan, struct scree_error *err)
+{
+    const cJSON *value, *scenario = json_get(item, "scenario");
+    struct job_spec base = plan->base;
+    cJSON *json = cJSON_Duplicate(plan->job, true);
+    enum scree_status status = json ? SCREE_OK : scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for the study");
+    if (scenario && !status && !(status = job_value_set(json, "scenario", scenario, err)))
+        status = job_decode(json, &base, err);
+    if (status && err && err->status == SCREE_INVALID)
+        rename_error(err, "scenario", name);
+    cJSON_ArrayForEach(value, item)
+    {
+        char path[SCREE_PATH_MAX];
+        snprintf(path, sizeof path, "%s.%s", name, value->string);
+        if (!status && !(status = add_column(plan, &base, value->string, path, err)))
+            status = try_value(json, value->string, value, path, err);
+    }
+    cJSON_Delete(json);
+    return status;
+}
+
 static enum scree_status decode_cases(const cJSON *cases, struct study_plan *plan, struct scree_error *err)
 {
-    const cJSON *item, *value;
+    const cJSON *item;
     int index = 0;
-    enum scree_status status = SCREE_OK;
     if (!cJSON_IsArray(cases) || !cases->child)
         return scree_fail(err, SCREE_INVALID, "cases", "cases: a list of objects of dotted paths and values is expected");
     if (!(plan->cases = cJSON_Duplicate(cases, true)))
         return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for the study");
     cJSON_ArrayForEach(item, cases)
     {
-        char path[SCREE_PATH_MAX];
-        snprintf(path, sizeof path, "cases[%d]", index++);
+        char name[32];
+        snprintf(name, sizeof name, "cases[%d]", index++);
         if (!cJSON_IsObject(item))
-            return scree_fail(err, SCREE_INVALID, path, "%s: an object of dotted paths and values is expected", path);
-        cJSON_ArrayForEach(value, item)
-        {
-            snprintf(path, sizeof path, "cases[%d].%s", index - 1, value->string);
-            if ((status = add_column(plan, value->string, path, err)) ||
-                (status = try_value(plan, value->string, value, path, err)))
-                return status;
-        }
+            return scree_fail(err, SCREE_INVALID, name, "%s: an object of dotted paths and values is expected", name);
+        enum scree_status status = decode_case(item, name, plan, err);
+        if (status)
+            return status;
     }
     plan->shape.axes = 1;
     plan->shape.counts[0] = (size_t)index;
@@ -385,7 +403,7 @@ static enum scree_status decode_search(struct study_plan *plan, struct scree_err
     for (int k = 0; k < 2 && !status; k++) {
         cJSON *value = json_real(k ? plan->spec.high : plan->spec.low);
         snprintf(path, sizeof path, "%s", k ? "high" : "low");
-        status = value ? try_value(plan, plan->spec.over, value, path, err) : SCREE_NO_MEMORY;
+        status = value ? try_value(plan->job, plan->spec.over, value, path, err) : SCREE_NO_MEMORY;
         cJSON_Delete(value);
     }
     return status;
@@ -394,8 +412,12 @@ static enum scree_status decode_search(struct study_plan *plan, struct scree_err
 /* Spells the job out, unless a trial changes a word that the rest of the job is read by. */
 static enum scree_status resolve_job(struct study_plan *plan, struct scree_error *err)
 {
+    char adopt[64] = "";
+    if (plan->base.scenario->adopt_key)
+        snprintf(adopt, sizeof adopt, "params.%s", plan->base.scenario->adopt_key);
     for (size_t k = 0; k < plan->column_count; k++)
-        if (strcmp(plan->columns[k], "scenario") == 0 || strcmp(plan->columns[k], "material.preset") == 0)
+        if (strcmp(plan->columns[k], "scenario") == 0 || strcmp(plan->columns[k], "material.preset") == 0 ||
+            strcmp(plan->columns[k], adopt) == 0)
             return SCREE_OK;
     cJSON *resolved = job_encode(&plan->base), *read = NULL;
     char *text = resolved ? json_print(resolved, false) : NULL; // read again, for what is encoded holds its numbers as text

@@ -207,37 +207,45 @@ static void job_changed(void *context, const struct job *job, enum job_event wha
     }
 }
 
+/* Who waits for an answer under that ticket, and waits no more; NULL if nobody does. */
+static struct pending *take_pending(struct control *c, uint64_t ticket)
+{
+    json_starved(); // of what was made before the answer
+    for (int k = 0; ticket && k < PENDING_MAX; k++)
+        if (c->pending[k].ticket == ticket) {
+            c->pending[k].ticket = 0;
+            return &c->pending[k];
+        }
+    return NULL;
+}
+
 static void job_fetched(void *context, uint64_t ticket, const struct job *job, const char *path, const struct scree_error *error)
 {
     struct control *c = context;
-    json_starved();
-    for (int k = 0; k < PENDING_MAX; k++) {
-        struct pending *p = &c->pending[k];
-        if (p->ticket != ticket)
-            continue;
-        p->ticket = 0;
+    const struct pending *p = take_pending(c, ticket);
+    if (p)
         send_reply(c, p->peer, p->peer_size,
                    error ? reply_error(p->id, scree_status_word(error->status), error)
                          : reply_ok(p->id, requests_fetched(job, path)));
-        return;
-    }
 }
 
 static void job_steered(void *context, uint64_t ticket, const struct job *job, const struct command *command,
                         const struct scree_error *error)
 {
     struct control *c = context;
-    json_starved();
-    for (int k = 0; k < PENDING_MAX; k++) {
-        struct pending *p = &c->pending[k];
-        if (p->ticket != ticket)
-            continue;
-        p->ticket = 0;
+    const struct pending *p = take_pending(c, ticket);
+    if (p)
         send_reply(c, p->peer, p->peer_size,
                    error ? reply_error(p->id, scree_status_word(error->status), error)
                          : reply_ok(p->id, requests_steered(job, command)));
-        return;
-    }
+}
+
+static void study_recorded(void *context, const struct record_order *order)
+{
+    struct control *c = context;
+    const struct pending *p = take_pending(c, order->ticket);
+    if (p)
+        send_reply(c, p->peer, p->peer_size, study_recorded_reply(p->id, order));
 }
 
 static void study_changed(void *context, const struct study *study)
@@ -249,20 +257,6 @@ static void study_changed(void *context, const struct study *study)
     json_put_text(json, "state", job_state_word(study->state));
     snprintf(topic, sizeof topic, "job/%s/state", study->id);
     publish_text(c, topic, json);
-}
-
-static void study_recorded(void *context, const struct record_order *order)
-{
-    struct control *c = context;
-    json_starved();
-    for (int k = 0; k < PENDING_MAX; k++) {
-        struct pending *p = &c->pending[k];
-        if (p->ticket != order->ticket)
-            continue;
-        p->ticket = 0;
-        send_reply(c, p->peer, p->peer_size, study_recorded_reply(p->id, order));
-        return;
-    }
 }
 
 /* ---- requests ---- */

@@ -84,8 +84,9 @@ struct run_start {
 };
 enum { RUN_STARTS_MAX = 4 };
 
-/* What a worker asks before a command that waited takes effect: the journal has to know the step first. */
-enum run_ask { ASK_NONE, ASK_WAITING, ASK_GRANTED, ASK_REFUSED };
+/* What a worker asks before a command that waited takes effect: the journal has to know the step first.
+ * While it is WAITING an order takes the question back; once control has TAKEN it, the answer decides. */
+enum run_ask { ASK_NONE, ASK_WAITING, ASK_TAKEN, ASK_GRANTED };
 
 struct recorder;
 
@@ -114,7 +115,7 @@ struct run {
     int64_t ask_number;
     uint64_t ask_step;
     struct run_report report;
-    /* Streams of the world, for the recorder; under `lock`, none before the world stands. */
+    bool stands; // the world does: there is something to record; under `lock`, as are its streams, for the recorder
     const struct scree_stream *streams[JOB_STREAMS_MAX];
     size_t stream_count;
 };

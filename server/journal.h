@@ -89,8 +89,8 @@ struct chunk_row {
     double t0_s, dt_s;
     size_t rows, bytes;
     const void *payload; // valid until the next call on this handle
-    uint32_t crc;
-    uint64_t hash; // of the stream from its first chunk to the end of this one (chunk_hash)
+    int64_t crc;         // as it lies on disk: a sound one has 32 bits
+    uint64_t hash;       // of the stream from its first chunk to the end of this one (chunk_hash)
 };
 
 /* To write: made if it does not exist. To read: SCREE_NOT_FOUND if it does not. */

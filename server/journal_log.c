@@ -12,11 +12,11 @@
 
 struct chunk_log {
     sqlite3 *db;
-    sqlite3_stmt *put, *get;
+    sqlite3_stmt *put, *get, *get_hash;
     struct {
         char name[CHUNK_NAME_MAX];
         uint64_t seq, hash;
-    } last[16]; // chunks that were put last, so that a running hash needs no look-up
+    } last[16]; // chunks that were put or read last, so that a running hash needs no look-up
     size_t last_count;
     void *payload; // of the chunk that was read last: kept, so that no read transaction stays open
     size_t room;
@@ -35,8 +35,11 @@ enum scree_status chunk_log_open(struct chunk_log **out, const char *path, bool 
     if (!log)
         return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for a stream log");
     enum scree_status status = sql_open(&log->db, path, flags, write ? chunk_schema : NULL, err);
-    if (!status && sqlite3_prepare_v2(log->db, "SELECT t0, dt, rows, crc, hash, payload FROM chunks WHERE stream = ?1 AND seq = ?2",
-                                      -1, &log->get, NULL) != SQLITE_OK)
+    if (!status &&
+        (sqlite3_prepare_v2(log->db, "SELECT t0, dt, rows, crc, hash, payload FROM chunks WHERE stream = ?1 AND seq = ?2", -1,
+                            &log->get, NULL) != SQLITE_OK ||
+         sqlite3_prepare_v2(log->db, "SELECT hash FROM chunks WHERE stream = ?1 AND seq = ?2", -1, &log->get_hash, NULL) !=
+             SQLITE_OK))
         status = sql_failed(log->db, "preparing the stream log", err);
     if (!status && write &&
         sqlite3_prepare_v2(log->db,
@@ -58,6 +61,7 @@ void chunk_log_close(struct chunk_log *log)
         return;
     sqlite3_finalize(log->put);
     sqlite3_finalize(log->get);
+    sqlite3_finalize(log->get_hash);
     sqlite3_close(log->db);
     free(log->payload);
     free(log);
@@ -113,7 +117,7 @@ static enum scree_status get_row(struct chunk_log *log, const char *stream, uint
                                   .t0_s = sqlite3_column_double(log->get, 0),
                                   .dt_s = sqlite3_column_double(log->get, 1),
                                   .rows = (size_t)sqlite3_column_int64(log->get, 2),
-                                  .crc = (uint32_t)sqlite3_column_int64(log->get, 3),
+                                  .crc = sqlite3_column_int64(log->get, 3),
                                   .hash = (uint64_t)sqlite3_column_int64(log->get, 4),
                                   .bytes = (size_t)sqlite3_column_bytes(log->get, 5)};
         status = memory_grow(&log->payload, &log->room, row->bytes, 1, err);
@@ -125,27 +129,10 @@ static enum scree_status get_row(struct chunk_log *log, const char *stream, uint
     return status;
 }
 
-static bool sound(const struct chunk_row *row)
-{
-    return crc32c(0, row->payload, row->bytes) == row->crc && row->bytes % sizeof(double) == 0;
-}
-
-enum scree_status chunk_log_get(struct chunk_log *log, const char *stream, uint64_t seq, struct chunk_row *row, bool *found,
-                                struct scree_error *err)
-{
-    enum scree_status status = get_row(log, stream, seq, row, found, err);
-    if (!status && *found && !sound(row))
-        return scree_fail(err, SCREE_CORRUPT, "", "chunk %llu of %s is damaged in the stream log: its checksum is wrong",
-                          (unsigned long long)seq, stream);
-    return status;
-}
-
 /* The running hash up to the chunk before this one; 0 before the first. */
 static enum scree_status hash_before(struct chunk_log *log, const char *stream, uint64_t seq, uint64_t *hash,
                                      struct scree_error *err)
 {
-    struct chunk_row row;
-    bool found;
     *hash = 0;
     if (seq == 0)
         return SCREE_OK;
@@ -154,10 +141,17 @@ static enum scree_status hash_before(struct chunk_log *log, const char *stream, 
             *hash = log->last[k].hash;
             return SCREE_OK;
         }
-    enum scree_status status = get_row(log, stream, seq - 1, &row, &found, err);
-    if (!status && !found)
-        return scree_fail(err, SCREE_CORRUPT, "", "the stream log lacks chunk %llu of %s", (unsigned long long)seq - 1, stream);
-    *hash = row.hash;
+    sql_bind_text(log->get_hash, 1, stream);
+    sqlite3_bind_int64(log->get_hash, 2, (sqlite3_int64)seq - 1);
+    int code = sqlite3_step(log->get_hash);
+    enum scree_status status = SCREE_OK;
+    if (code == SQLITE_ROW)
+        *hash = (uint64_t)sqlite3_column_int64(log->get_hash, 0);
+    else if (code == SQLITE_DONE)
+        status = scree_fail(err, SCREE_CORRUPT, "", "the stream log lacks chunk %llu of %s", (unsigned long long)seq - 1, stream);
+    else
+        status = sql_failed(log->db, "reading the stream log", err);
+    sqlite3_reset(log->get_hash);
     return status;
 }
 
@@ -176,7 +170,22 @@ static void keep_last(struct chunk_log *log, const char *stream, uint64_t seq, u
 
 static bool intact(const struct chunk_row *row, uint64_t before)
 {
-    return sound(row) && chunk_hash(before, row->seq, row->t0_s, row->dt_s, row->rows, row->payload, row->bytes) == row->hash;
+    return row->bytes % sizeof(double) == 0 && crc32c(0, row->payload, row->bytes) == row->crc &&
+           chunk_hash(before, row->seq, row->t0_s, row->dt_s, row->rows, row->payload, row->bytes) == row->hash;
+}
+
+enum scree_status chunk_log_get(struct chunk_log *log, const char *stream, uint64_t seq, struct chunk_row *row, bool *found,
+                                struct scree_error *err)
+{
+    uint64_t hash;
+    enum scree_status status = get_row(log, stream, seq, row, found, err);
+    if (status || !*found || (status = hash_before(log, stream, seq, &hash, err)))
+        return status;
+    if (!intact(row, hash))
+        return scree_fail(err, SCREE_CORRUPT, "", "chunk %llu of %s is damaged in the stream log: its checksum is wrong",
+                          (unsigned long long)seq, stream);
+    keep_last(log, stream, seq, row->hash);
+    return SCREE_OK;
 }
 
 /* What a chunk that is there already means for one that is put again. */

@@ -3,6 +3,7 @@
 #include "outcome.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -28,6 +29,26 @@ char *outcome_hash(const struct run_report *r, char out[OUTCOME_HASH_MAX])
 {
     snprintf(out, OUTCOME_HASH_MAX, "%016" PRIx64, r->hash);
     return out;
+}
+
+void outcome_fill(const char *text, const struct scree_number *numbers, size_t count, char out[OUTCOME_PAPER_MAX])
+{
+    size_t length = 0;
+    while (*text && length + 1 < OUTCOME_PAPER_MAX) {
+        size_t name = strcspn(text + 1, "}");
+        if (*text != '{' || text[1 + name] != '}') {
+            out[length++] = *text++;
+            continue;
+        }
+        char value[32] = "-";
+        for (size_t k = 0; k < count; k++)
+            if (strlen(numbers[k].name) == name && strncmp(numbers[k].name, text + 1, name) == 0 && isfinite(numbers[k].value))
+                snprintf(value, sizeof value, "%.6g", numbers[k].value);
+        int wrote = snprintf(out + length, OUTCOME_PAPER_MAX - length, "%s", value);
+        length = length + (size_t)wrote < OUTCOME_PAPER_MAX ? length + (size_t)wrote : OUTCOME_PAPER_MAX - 1;
+        text += name + 2;
+    }
+    out[length] = 0;
 }
 
 cJSON *outcome_json(const struct run_report *r)

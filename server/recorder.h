@@ -27,6 +27,7 @@ struct record_order {
     void (*release)(void *content);
     void *content;
     struct run_report report;
+    bool stands; // the world did: else there is nothing to record
     const struct scree_stream *streams[JOB_STREAMS_MAX];
     size_t stream_count;
     /* Filled by the recorder. */

@@ -249,7 +249,7 @@ static enum scree_status do_show(struct daemon *daemon, const cJSON *body, const
 {
     (void)id;
     struct job *job;
-    char path[CONFIG_PATH_MAX + 64];
+    char path[CONFIG_PATH_MAX + 64], paper[OUTCOME_PAPER_MAX];
     enum scree_status status = find_job(daemon, body, &job, err);
     if (status)
         return status;
@@ -263,6 +263,8 @@ static enum scree_status do_show(struct daemon *daemon, const cJSON *body, const
     json_put_int(json, "threads", r->threads ? r->threads : job->spec.threads);
     json_put_real(json, "wall_s", r->wall_s);
     json_put_text(json, "evidence", r->evidence);
+    outcome_fill(job->spec.paper, r->numbers, r->number_count, paper);
+    json_put_text(json, "paper", paper);
     for (size_t k = 0; k < r->number_count; k++) {
         cJSON *n = cJSON_CreateObject();
         json_put_text(n, "name", r->numbers[k].name);

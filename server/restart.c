@@ -31,19 +31,18 @@ static int newest_first(const void *a, const void *b)
     return x->applied < y->applied ? 1 : x->applied > y->applied ? -1 : 0;
 }
 
-/* The newest `room` checkpoints of a job. */
-static size_t find(const struct scheduler *s, const struct job *job, struct found *out, size_t room)
+/* The checkpoints of a job, newest first; of more than fit some are left out. */
+enum { FOUND_MAX = 64 };
+static size_t find(const struct scheduler *s, const struct job *job, struct found all[FOUND_MAX])
 {
-    enum { FILES_MAX = 64 };
-    struct found all[FILES_MAX];
     char folder[CONFIG_PATH_MAX + 64];
     size_t count = 0;
     snprintf(folder, sizeof folder, "%s/jobs/%s", s->config->data, job->id);
     DIR *directory = opendir(folder);
-    for (struct dirent *entry; directory && (entry = readdir(directory));) {
+    for (struct dirent *entry; directory && count < FOUND_MAX && (entry = readdir(directory));) {
         int end = 0;
         struct found *f = &all[count];
-        if (count < FILES_MAX && strlen(entry->d_name) < sizeof f->name &&
+        if (strlen(entry->d_name) < sizeof f->name &&
             sscanf(entry->d_name, "checkpoint-%" SCNu64 "-%" SCNd64 ".h5%n", &f->step, &f->applied, &end) == 2 && end > 0 &&
             !entry->d_name[end]) {
             snprintf(f->name, sizeof f->name, "%s", entry->d_name);
@@ -53,8 +52,6 @@ static size_t find(const struct scheduler *s, const struct job *job, struct foun
     if (directory)
         closedir(directory);
     qsort(all, count, sizeof *all, newest_first);
-    count = count < room ? count : room;
-    memcpy(out, all, count * sizeof *out);
     return count;
 }
 
@@ -69,8 +66,8 @@ static enum scree_status start_of(const struct scheduler *s, const struct job *j
 
 bool restart_newest(const struct scheduler *s, const struct job *job, struct run_start *out)
 {
-    struct found found;
-    return find(s, job, &found, 1) == 1 && start_of(s, job, &found, out, NULL) == SCREE_OK;
+    struct found found[FOUND_MAX];
+    return find(s, job, found) > 0 && start_of(s, job, &found[0], out, NULL) == SCREE_OK;
 }
 
 static enum scree_status read_origin(const struct scheduler *s, const struct job *job, struct run *run, struct scree_error *err)
@@ -93,12 +90,22 @@ static enum scree_status read_origin(const struct scheduler *s, const struct job
 
 enum scree_status restart_find(const struct scheduler *s, const struct job *job, struct run *run, struct scree_error *err)
 {
-    struct found found[RUN_STARTS_MAX];
-    size_t count = find(s, job, found, RUN_STARTS_MAX);
+    struct found found[FOUND_MAX];
+    size_t count = find(s, job, found);
     enum scree_status status = *job->origin ? read_origin(s, job, run, err) : SCREE_OK;
-    for (size_t k = 0; k < count && !status; k++)
+    for (size_t k = 0; k < count && k < RUN_STARTS_MAX && !status; k++)
         status = start_of(s, job, &found[k], &run->starts[run->start_count++], err);
     return status;
+}
+
+void restart_forget(const struct scheduler *s, const struct job *job)
+{
+    struct found found[FOUND_MAX];
+    for (size_t k = 0, count = find(s, job, found); k < count; k++) {
+        char path[CONFIG_PATH_MAX + 128];
+        snprintf(path, sizeof path, "%s/jobs/%s/%s", s->config->data, job->id, found[k].name);
+        unlink(path);
+    }
 }
 
 enum scree_status restart_link(const char *from, const char *to, struct scree_error *err)

@@ -181,8 +181,10 @@ void scheduler_enter(struct scheduler *s, struct job *job, enum job_state state)
     }
     job->late = false;
     scheduler_set_state(s, job, state);
-    if (job_state_ended(state))
+    if (job_state_ended(state)) {
         steering_ended(s, job);
+        restart_forget(s, job);
+    }
 }
 
 static void fail_job(struct scheduler *s, struct job *job, const struct scree_error *error)
@@ -288,6 +290,7 @@ static struct record_order *order_for(struct scheduler *s, const struct job *job
     scheduler_log_path(s, job, order->log_path, sizeof order->log_path);
     scheduler_result_path(s, job, final, order->path, sizeof order->path);
     pthread_mutex_lock(&job->run->lock);
+    order->stands = job->run->stands;
     order->stream_count = job->run->stream_count;
     memcpy(order->streams, job->run->streams, sizeof order->streams);
     pthread_mutex_unlock(&job->run->lock);
@@ -340,7 +343,7 @@ static void run_ended(struct scheduler *s, struct job *job)
     }
     job->verdict_state = status == SCREE_OK ? JOB_DONE : status == SCREE_CANCELLED ? JOB_CANCELLED : JOB_FAILED;
     struct record_order *order = order_for(s, job, true, 0, job_state_word(job->verdict_state));
-    if (order && order->stream_count > 0) {
+    if (order && order->stands) {
         job->recording = true;
         recorder_ask(s->recorder, order);
         return;
@@ -539,7 +542,7 @@ enum scree_status scheduler_fetch(struct scheduler *s, struct job *job, uint64_t
     char path[CONFIG_PATH_MAX + 64];
     if (job->run) {
         struct record_order *order = order_for(s, job, false, ticket, job_state_word(job->state));
-        if (!order || order->stream_count == 0) {
+        if (!order || !order->stands) {
             record_order_free(order);
             return scree_fail(err, SCREE_NOT_FOUND, "job", "%s has only just begun: there is nothing to fetch yet", job->id);
         }

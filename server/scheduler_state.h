@@ -86,6 +86,9 @@ enum scree_status restart_find(const struct scheduler *s, const struct job *job,
 /* The newest checkpoint of a job: false if there is none. */
 bool restart_newest(const struct scheduler *s, const struct job *job, struct run_start *out);
 
+/* Removes the checkpoints of a job that has ended: it goes on from nothing. */
+void restart_forget(const struct scheduler *s, const struct job *job);
+
 /* A second name for a checkpoint, on disk when it returns. */
 enum scree_status restart_link(const char *from, const char *to, struct scree_error *err);
 

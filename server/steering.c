@@ -58,15 +58,21 @@ static struct command *by_number(const struct scheduler *s, int64_t number)
     return NULL;
 }
 
-static enum scree_status keep(struct scheduler *s, const struct journal_command *row, struct job *job, struct command **out,
-                              struct scree_error *err)
+static void free_command(struct command *c)
+{
+    if (c)
+        free(c->detail);
+    free(c);
+}
+
+/* A command as its row says, with a place in the list made for it: keep cannot fail then. */
+static enum scree_status make_command(struct scheduler *s, const struct journal_command *row, struct job *job, struct command **out,
+                                      struct scree_error *err)
 {
     struct command *c = calloc(1, sizeof *c);
     if (!c || !(c->detail = strdup(row->detail)) ||
         memory_grow((void **)&s->commands, &s->command_room, s->command_count + 1, sizeof *s->commands, err)) {
-        if (c)
-            free(c->detail);
-        free(c);
+        free_command(c);
         return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for a command");
     }
     c->number = row->number;
@@ -76,9 +82,13 @@ static enum scree_status keep(struct scheduler *s, const struct journal_command 
     c->step = row->step;
     c->made = row->made;
     c->at = row->at;
-    s->commands[s->command_count++] = c;
     *out = c;
     return SCREE_OK;
+}
+
+static void keep(struct scheduler *s, struct command *c)
+{
+    s->commands[s->command_count++] = c;
 }
 
 static struct journal_command row_of(const struct command *c)
@@ -92,8 +102,18 @@ enum scree_status steering_insert(struct scheduler *s, const char *request, stru
 {
     struct journal_command row = {
         .request = request, .job = job->number, .op = op_words[op], .detail = detail, .step = step, .at = scheduler_unix_now()};
-    enum scree_status status = journal_command_insert(journal_commands(s->journal), &row, err);
-    return status ? status : keep(s, &row, job, out, err);
+    struct command *c;
+    enum scree_status status = make_command(s, &row, job, &c, err);
+    if (status)
+        return status;
+    if ((status = journal_command_insert(journal_commands(s->journal), &row, err))) {
+        free_command(c);
+        return status;
+    }
+    c->number = row.number;
+    keep(s, c);
+    *out = c;
+    return SCREE_OK;
 }
 
 /* Takes back the newest command, whose transaction failed. */
@@ -102,8 +122,7 @@ void steering_forget(struct scheduler *s, struct command *c)
     if (!c || s->command_count == 0 || s->commands[s->command_count - 1] != c)
         return;
     s->command_count--;
-    free(c->detail);
-    free(c);
+    free_command(c);
 }
 
 static enum scree_status give_step(struct scheduler *s, struct command *c, int64_t step, int64_t made, struct scree_error *err)
@@ -129,15 +148,21 @@ static void answer(struct scheduler *s, struct command *c, const struct scree_er
 
 /* ---- what a run is told ---- */
 
-static enum scree_status push(struct run *run, const struct run_command *command, struct scree_error *err)
+/* A place for one more command, so that push cannot fail. */
+static enum scree_status make_room(struct run *run, struct scree_error *err)
 {
     pthread_mutex_lock(&run->lock);
     enum scree_status status =
         memory_grow((void **)&run->commands, &run->command_room, run->command_count + 1, sizeof *run->commands, err);
-    if (!status)
-        run->commands[run->command_count++] = *command;
     pthread_mutex_unlock(&run->lock);
     return status;
+}
+
+static void push(struct run *run, const struct run_command *command)
+{
+    pthread_mutex_lock(&run->lock);
+    run->commands[run->command_count++] = *command;
+    pthread_mutex_unlock(&run->lock);
 }
 
 enum scree_status steering_script(struct scheduler *s, const struct job *job, struct run *run, struct scree_error *err)
@@ -155,8 +180,9 @@ enum scree_status steering_script(struct scheduler *s, const struct job *job, st
                 command.step = (uint64_t)c->step;
             if (c->op == COMMAND_SET && (status = steering_change(&now, c->detail, &command.to, err)))
                 break;
-            if (pass == 1 || !job_same(&now, &command.to)) // priorities are no business of the world
-                status = push(run, &command, err);
+            bool matters = pass == 1 || !job_same(&now, &command.to); // priorities are no business of the world
+            if (matters && !(status = make_room(run, err)))
+                push(run, &command);
             now = command.to;
         }
     return status;
@@ -247,33 +273,48 @@ void steering_recorded(struct scheduler *s, const struct record_order *order)
 
 /* ---- worker and end ---- */
 
+/* The command whose step a worker waits to be written down, NULL if there is none. From
+ * here until settle the worker waits, whatever it is ordered: else the journal could
+ * give a step to a command that the world never saw. */
+static struct command *take_question(struct scheduler *s, struct run *run, uint64_t *step)
+{
+    int64_t number = 0;
+    pthread_mutex_lock(&run->lock);
+    if (run->ask == ASK_WAITING) {
+        run->ask = ASK_TAKEN;
+        number = run->ask_number;
+        *step = run->ask_step;
+    }
+    pthread_mutex_unlock(&run->lock);
+    return number ? by_number(s, number) : NULL;
+}
+
+static void settle(struct run *run, enum run_ask ask)
+{
+    pthread_mutex_lock(&run->lock);
+    run->ask = ask;
+    pthread_cond_broadcast(&run->answered);
+    pthread_mutex_unlock(&run->lock);
+}
+
 void steering_answer(struct scheduler *s, struct job *job)
 {
-    struct run *run = job->run;
     struct scree_error error = {0};
-    pthread_mutex_lock(&run->lock);
-    bool asked = run->ask == ASK_WAITING;
-    int64_t number = run->ask_number;
-    uint64_t step = run->ask_step;
-    pthread_mutex_unlock(&run->lock);
-    struct command *c = asked ? by_number(s, number) : NULL;
+    uint64_t step;
+    struct command *c = take_question(s, job->run, &step);
     if (!c)
         return;
-    /* A fork gets its step with its child. Should the journal not take it, the worker waits, or is held. */
+    /* A fork gets its step with its child. Should the journal not take it, the worker asks on, or is held. */
     if (c->op != COMMAND_FORK && give_step(s, c, (int64_t)step, 0, &error)) {
-        log_line(LOG_ERROR, "job=%s command=%lld %s", job->id, (long long)number, error.message);
+        log_line(LOG_ERROR, "job=%s command=%lld %s", job->id, (long long)c->number, error.message);
+        settle(job->run, ASK_WAITING);
         return;
     }
     if (c->op == COMMAND_SET)
         steering_refresh(s, job);
-    log_line(LOG_INFO, "job=%s command=%lld op=%s step=%llu", job->id, (long long)number, op_words[c->op],
+    log_line(LOG_INFO, "job=%s command=%lld op=%s step=%llu", job->id, (long long)c->number, op_words[c->op],
              (unsigned long long)step);
-    pthread_mutex_lock(&run->lock);
-    /* An order may have ended the wait meanwhile; the command then has its step, and takes effect there next time. */
-    if (run->ask == ASK_WAITING)
-        run->ask = ASK_GRANTED;
-    pthread_cond_broadcast(&run->answered);
-    pthread_mutex_unlock(&run->lock);
+    settle(job->run, ASK_GRANTED);
     if (c->op == COMMAND_SET)
         answer(s, c, NULL);
 }
@@ -336,7 +377,12 @@ static enum scree_status load(void *context, const struct journal_command *row, 
     struct scheduler *s = context;
     struct job *job = scheduler_by_number(s, row->job);
     struct command *c;
-    return job && command_op_of(row->op) < COMMAND_OPS ? keep(s, row, job, &c, err) : SCREE_OK;
+    if (!job || command_op_of(row->op) == COMMAND_OPS)
+        return SCREE_OK;
+    enum scree_status status = make_command(s, row, job, &c, err);
+    if (!status)
+        keep(s, c);
+    return status;
 }
 
 enum scree_status steering_load(struct scheduler *s, struct scree_error *err)
@@ -401,18 +447,14 @@ static enum scree_status in_time(struct scheduler *s, const char *request, struc
         waiting += s->commands[k]->job == job && s->commands[k]->step == COMMAND_PENDING;
     if (waiting >= PENDING_MAX)
         return scree_fail(err, SCREE_BUSY, "job", "%zu commands wait for %s already; try again later", waiting, job->id);
-    enum scree_status status = steering_insert(s, request, job, op, detail, COMMAND_PENDING, &c, err);
-    if (status)
+    bool delivered = job->run && op != COMMAND_PAUSE;
+    enum scree_status status = delivered ? make_room(job->run, err) : SCREE_OK;
+    if (status || (status = steering_insert(s, request, job, op, detail, COMMAND_PENDING, &c, err)))
         return status;
     c->ticket = ticket;
-    if (job->run && op != COMMAND_PAUSE) {
-        const struct run_command command = {.number = c->number, .op = op, .step = NEXT_BOUNDARY, .to = *to};
-        /* Without memory it waits in the journal for the job's next run, and the client is told so. */
-        if ((status = push(job->run, &command, err)))
-            c->ticket = 0;
-        return status;
-    }
-    if (job->run)
+    if (delivered)
+        push(job->run, &(struct run_command){.number = c->number, .op = op, .step = NEXT_BOUNDARY, .to = *to});
+    else if (job->run)
         scheduler_order(job, RUN_PAUSE);
     else
         answer(s, c, NULL);

@@ -9,6 +9,7 @@
 #include <time.h>
 
 #include "base/text.h"
+#include "outcome.h"
 #include "protocol/frame.h"
 
 /* ---- what a search came to ---- */
@@ -245,7 +246,16 @@ cJSON *study_summary(const struct study *study)
     return json;
 }
 
-static void put_answers(cJSON *json, const struct study *study)
+static void put_paper(cJSON *json, const struct study *study, double answer)
+{
+    const struct scree_number number = {.name = "answer", .value = answer};
+    char paper[OUTCOME_PAPER_MAX];
+    outcome_fill(study->plan.spec.paper, &number, 1, paper);
+    json_put_text(json, "paper", paper);
+}
+
+/* Answers of a search, each replica's, and their spread; returns their mean, NaN if there is none. */
+static double put_answers(cJSON *json, const struct study *study)
 {
     cJSON *answers = cJSON_CreateArray();
     double n = 0, mean = 0, squares = 0, least = INFINITY, most = -INFINITY;
@@ -284,6 +294,7 @@ static void put_answers(cJSON *json, const struct study *study)
         json_put_real(spread, "most", most);
     }
     json_put(json, "spread", spread);
+    return n > 0 ? mean : NAN;
 }
 
 static void put_bracket(cJSON *list, size_t replica, int round, double low, double high)
@@ -336,6 +347,11 @@ static cJSON *trial_json(const struct study *study, size_t index)
         json_put(values, study->plan.columns[c], job_value_at(&job->spec, study->plan.columns[c], &unit));
     }
     json_put(json, "values", values);
+    if (job && *job->spec.paper) {
+        char paper[OUTCOME_PAPER_MAX];
+        outcome_fill(job->spec.paper, job->report.numbers, job->report.number_count, paper);
+        json_put_text(json, "paper", paper);
+    }
     json_put_text(json, "answer", study_answer_word(study, t));
     json_put_text(json, "job", job ? job->id : NULL);
     json_put_text(json, "state", job ? job_state_word(job->state) : "lost");
@@ -358,14 +374,16 @@ cJSON *study_record(const struct study *study, bool open_only)
     cJSON *json = study_summary(study), *trials = cJSON_CreateArray();
     json_put(json, "spec", cJSON_CreateRaw(study->spec_text));
     json_put_text(json, "build", *study->build ? study->build : scree_build());
+    double answer = NAN;
     if (study_is_search(study) && study->readable) {
         const char *unit;
         cJSON_Delete(job_value_at(&study->plan.base, study->plan.spec.over, &unit));
         json_put_text(json, "over", study->plan.spec.over);
         json_put_text(json, "unit", unit);
-        put_answers(json, study);
+        answer = put_answers(json, study);
         json_put(json, "bracket", bracket_history(study));
     }
+    put_paper(json, study, answer);
     for (size_t k = open_only ? study->first_open : 0; k < study->trial_count; k++)
         if (!open_only || !study->trials[k].taken)
             cJSON_AddItemToArray(trials, trial_json(study, k));

@@ -95,6 +95,7 @@ static enum scree_status declare_streams(struct context *c, const struct scree_w
     pthread_mutex_lock(&c->run->lock);
     for (size_t k = 0; k < count && k < JOB_STREAMS_MAX && !status; k++)
         c->run->streams[c->run->stream_count++] = streams[k];
+    c->run->stands = !status;
     pthread_mutex_unlock(&c->run->lock);
     return status;
 }
@@ -191,7 +192,7 @@ static bool ask(struct context *c, int64_t number, uint64_t step)
     pthread_mutex_unlock(&run->lock);
     announce(c);
     pthread_mutex_lock(&run->lock);
-    while (run->ask == ASK_WAITING && atomic_load(&run->order) == RUN_GO)
+    while (run->ask == ASK_TAKEN || (run->ask == ASK_WAITING && atomic_load(&run->order) == RUN_GO))
         pthread_cond_wait(&run->answered, &run->lock);
     bool granted = run->ask == ASK_GRANTED;
     run->ask = ASK_NONE;

@@ -137,8 +137,8 @@ static struct body_batch batch_of(struct dem *dem, struct part *part)
                                .speed = dem->velocity,
                                .spin = dem->spin,
                                .arm = dem->arm,
-                               .load = (const double(*)[4])b->load,
-                               .twist = (const double(*)[4])b->twist,
+                               .load = b->load,
+                               .twist = b->twist,
                                .strayed2 = part->strayed2,
                                .step = dem->step_s};
 }
@@ -157,9 +157,6 @@ static void bodies_kick(struct dem *dem, struct part *part)
     _Alignas(32) double unused[4] = {0}; // members do not stray by their own load
     const struct sink sink = {b->load, b->twist, b->load, unused};
     const struct body_batch batch = batch_of(dem, part);
-    for (size_t i = part->from; i < part->to; i++)
-        for (int a = 0; a < 3; a++)
-            b->load[i][a] = b->twist[i][a] = 0;
     kick_rows(dem, part, &sink);
     dem->kernels->bodies_gather(&batch);
 }

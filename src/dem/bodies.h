@@ -27,7 +27,7 @@ struct bodies {
     /* By row. */
     double (*offset)[4]; // of a member in its body's axes, m
     uint32_t *of;        // its body
-    double (*load)[4];   // force on the member from this step's contacts, N; [3] is 1
+    double (*load)[4];   // force on the member from this step's contacts, N, nothing between steps; [3] is 1
     double (*twist)[4];  // and torque about its centre, N m; [3] is 1
     struct view_body *view;
 };

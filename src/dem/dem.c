@@ -155,6 +155,9 @@ enum scree_status dem_start(const struct dem_setup *setup, size_t moving, size_t
     dem->ledger = setup->ledger;
     set_gravity(dem, setup->gravity);
     memcpy(dem->length, setup->length, sizeof dem->length);
+    bool everywhere = setup->base_y[0] == setup->base_y[1];
+    dem->base_y[0] = everywhere ? -INFINITY : setup->base_y[0];
+    dem->base_y[1] = everywhere ? INFINITY : setup->base_y[1];
     fill_shifts(dem);
     for (int k = 0; k < LAW_PARTNERS; k++)
         dem->law->coefs(setup->matter ? setup->matter : &setup->material, k, setup->step_s, &dem->coefs[k]);
@@ -217,8 +220,8 @@ enum scree_status dem_create(const struct dem_setup *setup, struct dem **out, st
         dem->start_potential = dem->motion->potential(dem);
         status = dem_first_lists(dem, err);
     }
-    if (!status && !setup->overlaps)
-        status = check_overlaps(dem, err);
+    if (!status && !setup->overlaps && !(status = check_overlaps(dem, err)))
+        status = mesh_check(dem, err);
     if (status)
         dem_free(dem);
     else

@@ -71,6 +71,7 @@ struct dem_setup {
     size_t wall_count;
     const struct dem_surface *surfaces; // only where nothing is periodic
     size_t surface_count;
+    double base_y[2];              // the force on the base is of contacts whose y is in [from, to), m; {0, 0}: of all
     struct material_spec material; // of grains and walls
     double floor_z;                // a moving grain whose centre is below is through the base: blow-up; -INFINITY: no such limit
     int threads;                   // at least 1

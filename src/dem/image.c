@@ -62,6 +62,7 @@ static struct dem_scalars scalars_of(const struct dem *dem)
                             .start_potential = dem->start_potential};
     memcpy(s.gravity, dem->gravity, sizeof s.gravity);
     memcpy(s.length, dem->length, sizeof s.length);
+    memcpy(s.base_y, dem->base_y, sizeof s.base_y);
     memcpy(s.base_sum, dem->base_sum, sizeof s.base_sum);
     memcpy(s.lost, dem->lost, sizeof s.lost);
     for (int k = 0; k < dem->part_count; k++) {
@@ -144,7 +145,8 @@ static bool state_is_sound(const struct dem_image *image)
 {
     const struct dem_scalars *s = &image->scalars;
     const double bounds[] = {s->step_s, s->gravity[0], s->gravity[1], s->gravity[2], s->length[0], s->length[1], s->length[2]};
-    if (!are_finite(bounds, sizeof bounds / sizeof *bounds) || s->step_s <= 0 || isnan(s->floor_z)) // -INFINITY: no floor
+    if (!are_finite(bounds, sizeof bounds / sizeof *bounds) || s->step_s <= 0 || isnan(s->floor_z) || isnan(s->base_y[0]) ||
+        isnan(s->base_y[1])) // infinite ones: no floor, no bound
         return false;
     for (size_t w = 0; w < s->walls; w++) {
         unsigned char flag;
@@ -229,6 +231,7 @@ enum scree_status dem_load(const struct dem_image *image, const struct law *law,
                               .ledger = s->ledger != 0};
     memcpy(setup.gravity, s->gravity, sizeof s->gravity);
     memcpy(setup.length, s->length, sizeof s->length);
+    memcpy(setup.base_y, s->base_y, sizeof s->base_y);
     enum scree_status status = dem_start(&setup, s->moving, s->grains, &dem, err);
     if (status)
         return status;

@@ -11,7 +11,7 @@
 struct dem_scalars {
     uint64_t moving, grains, contacts, wall_contacts, walls, bodies, surfaces, vertices, triangles, mesh_contacts, step, base_steps,
         ledger;
-    double step_s, gravity[3], length[3], floor_z, base_sum[3], lost[4], wrapped_work, start_potential;
+    double step_s, gravity[3], length[3], floor_z, base_y[2], base_sum[3], lost[4], wrapped_work, start_potential;
 };
 
 struct dem_surface_head {

@@ -17,7 +17,7 @@ struct body_batch {
     double (*centre)[4], (*velocity)[4], (*momentum)[4], (*orientation)[4], (*force)[4], (*torque)[4];
     const double (*inverse)[4], (*offset)[4], (*speed0)[4];
     double (*place)[4], (*speed)[4], (*spin)[4], (*arm)[4]; // of rows: position, velocity, ...
-    const double (*load)[4], (*twist)[4];
+    double (*load)[4], (*twist)[4];
     double *strayed2;
     double kick[3], step; // gravity's, m/s; s
 };
@@ -36,7 +36,7 @@ struct kernels {
                  size_t to, double strayed2[4]);
     /* Kick, drift and free turn of bodies, and what follows for their rows. */
     void (*bodies_drift)(const struct body_batch *bodies);
-    /* Sums what members were loaded with; kicks velocity and angular momentum. */
+    /* Sums what members were loaded with, which is then unloaded; kicks velocity and angular momentum. */
     void (*bodies_gather)(const struct body_batch *bodies);
     /* Of outer pairs [0, count): those that come within reach + 2 stray during
      * `horizon` seconds of straight flight. Returns how many were written. */

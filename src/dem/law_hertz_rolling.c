@@ -22,10 +22,34 @@
 #include "base/vec3.h"
 #include "dem/law_hertz_rolling.h"
 
+/* S4.4: moduli are means with the wall's, friction and damping are the wall's own. */
+static void against_wall(const struct material_spec *m, struct law_coefs *c)
+{
+    const struct material_wall *w = &m->wall;
+    double shear = material_shear_modulus(m), shear_w = w->young_Pa / (2 * (1 + w->poisson));
+    double plane = material_wall_mean(m->young_Pa / (1 - m->poisson * m->poisson), w->young_Pa / (1 - w->poisson * w->poisson));
+    c->normal = 2.0 / 3.0 * plane;
+    c->tangential = 4.0 * material_wall_mean(shear / (2 - m->poisson), shear_w / (2 - w->poisson)); // printed: G / (1 - nu)
+    c->torsion = m->torsion_factor * material_wall_mean(shear, shear_w);
+    c->beta = w->beta_s;
+    c->mu_t = w->mu;
+    c->mu_n = 3 * M_PI * w->mu / 16;
+}
+
+/* S4.4: as if the grain met its own image. Effective radius r2, not r2 / 2, and half the overlap: twice the modulus gives
+ * eq. 5's force. The image slides and twists along, so those springs are left out altogether; with a friction of zero
+ * alone, as printed, they would go on storing what they never exert. k_r is twice and the rate of rolling half what
+ * the pair's are; only the cap of eq. 25, which the paper forgets, has to be halved. */
+static void against_mirror(struct law_coefs *c)
+{
+    c->normal *= 2;
+    c->tangential = c->torsion = c->mu_t = c->mu_n = 0;
+    c->mu_r *= 0.5;
+}
+
 static void hertz_rolling_coefs(const void *material, int partner, double step_s, struct law_coefs *out)
 {
     const struct material_spec *m = material;
-    (void)partner; // walls are of the grains' matter
     double shear = material_shear_modulus(m);
     *out = (struct law_coefs){
         .normal = 2.0 * m->young_Pa / (3.0 * (1.0 - m->poisson * m->poisson)),
@@ -39,6 +63,10 @@ static void hertz_rolling_coefs(const void *material, int partner, double step_s
         .mu_r = m->mu_r,
         .step = step_s,
     };
+    if (partner == BEAD_WALL)
+        against_wall(m, out);
+    else if (partner == BEAD_MIRROR)
+        against_mirror(out);
 }
 
 /* Kinematics of one contact. */

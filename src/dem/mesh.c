@@ -30,7 +30,7 @@
 #include "base/vec3.h"
 
 #define SAME_NORMAL 0.97
-enum { CONTACTS_MAX = 4 }; // of one grain with one surface: the deepest; three walls meet in a corner
+enum { CONTACTS_MAX = 4, HITS_MAX = 32 }; // of one grain with one surface, the deepest: three walls meet in a corner
 
 /* ---- making ---- */
 
@@ -135,6 +135,25 @@ static double distance_to(const struct surface *s, uint32_t triangle, const doub
     struct nearest near = trimesh_nearest(s->mesh, triangle, point);
     struct vec3 d = vec3_sub(vec3_load(near.point), vec3_load(point));
     return sqrt(vec3_dot(d, d));
+}
+
+enum scree_status mesh_check(const struct dem *dem, struct scree_error *err)
+{
+    for (size_t k = 0; dem->mesh && k < dem->mesh->count; k++)
+        for (size_t i = 0; i < dem->moving; i++) {
+            const struct surface *s = &dem->mesh->surface[k];
+            const double *x = dem->position[i];
+            uint32_t found[64];
+            size_t count = trimesh_near(s->mesh, x, x[3], found, 64);
+            for (size_t f = 0; f < count && f < 64; f++) {
+                double overlap = x[3] - distance_to(s, found[f], x);
+                if (overlap > 1e-9 * x[3])
+                    return scree_fail(err, SCREE_INVALID, "params",
+                                      "grain %u starts %.3g m deep in triangle %u of surface %zu (walls and gates must be clear)",
+                                      dem->id[i], overlap, found[f], k);
+            }
+        }
+    return SCREE_OK;
 }
 
 /* ---- lists ---- */
@@ -309,18 +328,17 @@ static size_t resolve(const struct dem *dem, const struct mesh_part *p, const st
                       struct hit out[CONTACTS_MAX])
 {
     const struct surface *s = &dem->mesh->surface[g->surface];
-    struct hit hits[32];
+    struct hit hits[HITS_MAX + 1];
     size_t count = 0, kept = 0;
     for (uint32_t k = 0; k < g->count; k++) {
-        struct hit hit;
-        if (!touch(s, p->triangle[g->from + k], at, dem->position[g->grain][3], &hit))
+        if (!touch(s, p->triangle[g->from + k], at, dem->position[g->grain][3], &hits[count]))
             continue;
-        size_t place = count < 32 ? count++ : 31; // the shallowest of very many falls off
-        if (place == 31 && count == 32 && !before(&hit, &hits[31]) && hits[31].overlap > 0)
-            continue;
-        for (; place > 0 && before(&hit, &hits[place - 1]); place--)
+        for (size_t place = count; place > 0 && before(&hits[place], &hits[place - 1]); place--) {
+            struct hit deeper = hits[place];
             hits[place] = hits[place - 1];
-        hits[place] = hit;
+            hits[place - 1] = deeper;
+        }
+        count += count < HITS_MAX; // the shallowest of very many falls off
     }
     for (size_t k = 0; k < count && kept < CONTACTS_MAX; k++) {
         bool real = true;
@@ -347,14 +365,6 @@ static struct wall_pair *goes_on(struct wall_pair *old, size_t count, const stru
     return best;
 }
 
-static void start_pair(const struct dem *dem, struct wall_pair *pair, uint32_t grain, uint32_t surface)
-{
-    memset(pair, 0, sizeof *pair);
-    pair->grain = grain;
-    pair->wall = surface;
-    pair->contact[CONTACT_R] = pair->contact[CONTACT_R1] = dem->position[grain][3];
-}
-
 /* What the springs of a contact held is lost. */
 static void end_pair(const struct dem *dem, struct mesh_part *p, const struct wall_pair *pair)
 {
@@ -376,13 +386,18 @@ static void group_contacts(struct dem *dem, struct mesh_part *p, const struct me
     size_t count = place.there ? resolve(dem, p, g, at, hits) : 0;
     for (size_t k = 0; k < count; k++) {
         struct wall_pair *pair = &p->next[p->next_count++], *was = goes_on(old, olds, &hits[k]);
+        double radius = dem->position[g->grain][3];
         if (was) {
-            *pair = *was;
+            memcpy(pair->contact, was->contact, sizeof pair->contact);
             was->touching = 0;
         } else {
-            start_pair(dem, pair, g->grain, g->surface);
+            memset(pair->contact, 0, sizeof pair->contact);
+            pair->contact[CONTACT_R] = pair->contact[CONTACT_R1] = radius;
         }
+        pair->grain = g->grain;
+        pair->wall = g->surface;
         pair->touching = 1;
+        pair->loss = (struct contact_loss){0};
         pair->partner = s->partner[hits[k].triangle];
         pair->overlap = hits[k].overlap;
         memcpy(pair->normal, hits[k].normal, sizeof pair->normal);

@@ -43,6 +43,9 @@ struct mesh {
 enum scree_status mesh_create(struct dem *dem, const struct dem_surface *surfaces, size_t count, struct scree_error *err);
 void mesh_free(struct mesh *mesh);
 
+/* Refuses surfaces that stand inside grains at the start, by surface and triangle. */
+enum scree_status mesh_check(const struct dem *dem, struct scree_error *err);
+
 /* All contacts, in order, as a copy that the caller owns; and back, in any order. */
 enum scree_status mesh_take(const struct dem *dem, struct wall_pair **out, size_t *count, struct scree_error *err);
 enum scree_status mesh_give(struct dem *dem, const struct wall_pair *pairs, size_t count, struct scree_error *err);

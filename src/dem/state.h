@@ -176,6 +176,7 @@ struct dem {
     struct cells *cells;
     struct dem_profile *profile; // NULL but for a benchmark
 
+    double base_y[2];   // y of contacts whose force counts as force on the base, m: [from, to)
     double base_sum[4]; // force on the base, summed over steps since it was taken, N
     uint64_t base_steps;
     double lost[4];         // dissipated since the start: normal, tangential, torsion, rolling, J
@@ -259,6 +260,19 @@ void mesh_kick(struct dem *dem, struct part *part, const struct sink *sink);
 void mesh_account(struct dem *dem);
 /* Member 0: rows have been permuted, and parts cut anew. */
 enum scree_status mesh_follow(struct dem *dem, const uint32_t *new_row, struct scree_error *err);
+
+/* Whether a contact at that y counts in the force on the base. */
+static inline bool counts_on_base(const struct dem *dem, double y)
+{
+    return y >= dem->base_y[0] && y < dem->base_y[1];
+}
+/* Between the centres of grains i and j, where the ratio of their radii puts it. Not across a periodic side: where some y
+ * does not count, none is. */
+static inline double touch_y(const struct dem *dem, size_t i, size_t j)
+{
+    const double *a = dem->position[i], *b = dem->position[j];
+    return a[1] + (b[1] - a[1]) * a[3] / (a[3] + b[3]);
+}
 
 static inline void add_loss(double lost[4], const struct contact_loss *loss)
 {

@@ -44,15 +44,16 @@ static struct pair_batch batch_of(const struct dem *dem, const struct part *part
 }
 
 /* Touching pairs that others look at after this member: those whose second grain
- * another part must kick, and those whose second grain is of the base. */
+ * another part must kick, and those whose force counts as force on the base. */
 static void list_shared(const struct dem *dem, struct part *part)
 {
     part->export_count = part->on_base_count = 0;
     for (size_t k = 0; k < part->active_count; k++) {
         size_t j = part->near.second[part->active[k]] & IMAGE_ROW;
-        if (j >= dem->moving)
-            part->on_base[part->on_base_count++] = (uint32_t)k;
-        else if (j >= part->to)
+        if (j >= dem->moving) {
+            if (counts_on_base(dem, touch_y(dem, part->near.first[part->active[k]], j)))
+                part->on_base[part->on_base_count++] = (uint32_t)k;
+        } else if (j >= part->to)
             part->exports[part->export_count++] = (uint32_t)k;
     }
 }
@@ -126,7 +127,7 @@ static void account_walls(struct dem *dem, const struct part *part)
 {
     for (size_t k = 0; k < part->wall_count; k++) {
         const struct wall_pair *pair = &part->walls[k];
-        if (pair->touching && dem->walls[pair->wall].base)
+        if (pair->touching && dem->walls[pair->wall].base && counts_on_base(dem, dem->position[pair->grain][1]))
             for (int a = 0; a < 3; a++)
                 dem->base_sum[a] += pair->out.force[a];
         if (dem->ledger)

@@ -80,7 +80,7 @@ static void view_pairs(struct dem *dem, const struct part *part, struct view *vi
         finish_contact(dem, 0, part->near.contact[p], &part->out[k], c);
         take_back(dem, i, -1, part->out[k].force, part->out[k].torque1);
         take_back(dem, j, 1, part->out[k].force, part->out[k].torque2);
-        if (j >= dem->moving)
+        if (j >= dem->moving && counts_on_base(dem, touch_y(dem, i, j)))
             for (int a = 0; a < 3; a++)
                 view->base_force[a] += part->out[k].force[a];
     }
@@ -99,7 +99,7 @@ static void view_walls(struct dem *dem, const struct part *part, struct view *vi
         finish_contact(dem, pair->partner, pair->contact, &pair->out, c);
         memset(c->torque_b, 0, sizeof c->torque_b);
         take_back(dem, pair->grain, -1, pair->out.force, pair->out.torque1);
-        if (dem->walls[pair->wall].base)
+        if (dem->walls[pair->wall].base && counts_on_base(dem, dem->position[pair->grain][1]))
             for (int a = 0; a < 3; a++)
                 view->base_force[a] += pair->out.force[a];
     }

@@ -40,6 +40,11 @@ double chute_arc(const struct chute *c, double x)
     return sum * h / 3;
 }
 
+double chute_height(const struct chute *c, const double point[3])
+{
+    return (point[2] - chute_z(c, point[0])) * cos(chute_slope(c, point[0]));
+}
+
 void chute_accelerator_point(const struct chute *c, double along, double across, double normal, double out[3])
 {
     double slope = chute_slope(c, 0);

@@ -30,6 +30,9 @@ double chute_z(const struct chute *c, double x);     // of the profile, m
 double chute_slope(const struct chute *c, double x); // angle below the horizontal, rad
 double chute_arc(const struct chute *c, double x);   // length along the profile from x = 0, negative upslope, m
 
+/* Height of a point above the profile, normal to it where the point stands, m. */
+double chute_height(const struct chute *c, const double point[3]);
+
 /* A point by its length along the accelerator (negative upslope of x = 0), across, and normal to it. */
 void chute_accelerator_point(const struct chute *c, double along, double across, double normal, double out[3]);
 

@@ -4,6 +4,8 @@
  * /checkpoint carries version, build and a hash of the job's fields, a seal the
  * checksum of the file; one that does not match in any of them is refused by
  * name, so that the caller can take the older one. Uncompressed: speed matters. */
+#include "io/checkpoint.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,7 +14,6 @@
 #include "base/memory.h"
 #include "io/h5.h"
 #include "io/seal.h"
-#include "world/image.h"
 
 enum { CHECKPOINT_VERSION = 1 };
 
@@ -35,9 +36,6 @@ static uint64_t hash_bytes(uint64_t hash, const void *data, size_t size)
 /* Every value of the table, by its rows: padding and switched-off parts do not count. */
 static uint64_t hash_table(uint64_t hash, const struct field_table *table, const void *object)
 {
-    static const size_t sizes[] = {
-        [FIELD_REAL] = sizeof(double),     [FIELD_INT] = sizeof(int64_t), [FIELD_BOOL] = sizeof(bool),
-        [FIELD_VEC3] = 3 * sizeof(double), [FIELD_ENUM] = sizeof(int),    [FIELD_FLAGS] = sizeof(unsigned)};
     for (size_t k = 0; k < table->count; k++) {
         const struct field *row = &table->fields[k];
         const char *value = (const char *)object + row->offset;
@@ -48,7 +46,7 @@ static uint64_t hash_table(uint64_t hash, const struct field_table *table, const
         if (row->type == FIELD_GROUP || (row->type == FIELD_SWITCH && *(const bool *)(const void *)value))
             hash = hash_table(hash, row->table, value);
         else if (row->type != FIELD_SWITCH && row->type != FIELD_GROUP)
-            hash = hash_bytes(hash, value, sizes[row->type]);
+            hash = hash_bytes(hash, value, field_value_size(row));
     }
     return hash;
 }
@@ -185,8 +183,8 @@ static bool read_array(hid_t group, hsize_t index, struct world_image *image)
     return good;
 }
 
-static enum scree_status read_image(hid_t file, const char *path, const struct job_spec *job, struct world_image *image,
-                                    struct scree_error *err)
+enum scree_status checkpoint_read_image(hid_t file, const char *path, const struct job_spec *job, struct world_image *image,
+                                        struct scree_error *err)
 {
     int64_t version = 0, job_hash = 0;
     char build[128];
@@ -220,7 +218,7 @@ enum scree_status scree_checkpoint_read(const char *path, const struct job_spec 
     hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
     if (file < 0)
         return refused(path, "it cannot be opened as HDF5", err);
-    status = read_image(file, path, job, &image, err);
+    status = checkpoint_read_image(file, path, job, &image, err);
     if (H5Fclose(file) < 0 && !status)
         status = refused(path, "it cannot be closed", err);
     if (!status) {

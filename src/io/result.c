@@ -85,6 +85,9 @@ static void write_table(struct h5 *h5, const char *at, const struct field_table 
         case FIELD_VEC3:
             h5_vector(h5, path, value, 3);
             break;
+        case FIELD_ROWS:
+            h5_vector(h5, path, field_rows_numbers_const(value), (size_t)field_rows_count(value) * row->columns);
+            break;
         case FIELD_ENUM:
             h5_scalar_int(h5, path, *(const int *)value);
             h5_attribute_text(h5, path, "choice", row->choices[*(const int *)value]);

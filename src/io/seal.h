@@ -4,6 +4,8 @@
 #ifndef SCREE_IO_SEAL_H
 #define SCREE_IO_SEAL_H
 
+#include <stdio.h>
+
 #include "base/status.h"
 
 enum { SEAL_BYTES = 512 }; // of the user block
@@ -13,5 +15,7 @@ enum scree_status seal_write(const char *path, struct scree_error *err);
 
 /* SCREE_CORRUPT when length or checksum differ, SCREE_IO when the file cannot be read. */
 enum scree_status seal_check(const char *path, struct scree_error *err);
+/* The same of a file that is open, at its start; the path is for messages. */
+enum scree_status seal_check_file(FILE *file, const char *path, struct scree_error *err);
 
 #endif

@@ -14,9 +14,10 @@ static const struct scree_stream stream = {"basal_force", "force of the flow on 
 static const struct scree_stream *const streams[] = {&stream};
 
 struct state {
-    struct window window; // three components, weighted by steps
+    struct window window; // three components and the mass above, weighted by steps
     struct series series;
 };
+enum { MASS = 3 }; // in the window, after the force
 
 static size_t chunk(const struct measure_context *context)
 {
@@ -35,7 +36,7 @@ static enum scree_status sample(void *state, struct measure_context *context, co
                                 struct scree_error *err)
 {
     struct state *s = state;
-    double values[WINDOW_VALUES] = {now->base_force[0], now->base_force[1], now->base_force[2]};
+    double values[WINDOW_VALUES] = {now->base_force[0], now->base_force[1], now->base_force[2], context->here.mass};
     window_add(&s->window, context->time_s, (double)now->every, values);
     return series_add(&s->series, context->sink, context->time_s, values, err);
 }
@@ -49,7 +50,7 @@ static size_t numbers(const void *state, const struct measure_context *context, 
     if (context->site.area_z <= 0)
         return 0;
     double window = window_means(&s->window, measure_window_from(context), force);
-    double weight = context->last.mass * -context->gravity[2], pull = context->last.mass * context->gravity[0];
+    double weight = force[MASS] * -context->gravity[2], pull = force[MASS] * context->gravity[0];
     const struct scree_number all[] = {
         {"window_start", "s", "means below are from here to the end: t_0 if steady, else the last half", window},
         {"mean_force_x", "N", "downslope force on the base", force[0]},
@@ -91,7 +92,7 @@ const struct measurement measure_basal_force = {
     .sound = sound,
 };
 
-/* The same of a continuum. What it weighs is not in the numbers: bulk sums are of grains. */
+/* The same of a continuum. */
 const struct measurement measure_basal_force_continuum = {
     .name = "basal_force",
     .kind = SCENARIO_MPM,
@@ -104,6 +105,7 @@ const struct measurement measure_basal_force_continuum = {
     .chunk = chunk,
     .start = start,
     .sample = sample,
+    .numbers = numbers,
     .used = used,
     .sound = sound,
 };

@@ -4,6 +4,7 @@
 #include "measure/bulk.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "measure/measure.h"
@@ -13,8 +14,8 @@ static const struct scree_column bulk_columns[BULK_COLUMNS] = {
     {"time", "s"}, {"kinetic", "J"}, {"elastic", "J"}, {"speed_rms", "m/s"}, {"centre_z", "m"}, {"vx", "m/s"},     {"vy", "m/s"},
     {"vz", "m/s"}, {"px", "kg m/s"}, {"py", "kg m/s"}, {"pz", "kg m/s"},     {"force_z", "N"},  {"contacts", "1"},
 };
-static const struct scree_stream bulk_stream = {"bulk", "energies, centre of mass and momentum of the moving grains", bulk_columns,
-                                                BULK_COLUMNS, false};
+static const struct scree_stream bulk_stream = {
+    "bulk", "energies, centre of mass and momentum of the moving grains that are measured", bulk_columns, BULK_COLUMNS, false};
 
 static double square(const double a[3])
 {
@@ -23,9 +24,23 @@ static double square(const double a[3])
 
 void bulk_measure(const struct view *view, struct bulk *out)
 {
+    static const double everywhere[2] = {-INFINITY, INFINITY};
+    bulk_measure_within(view, everywhere, out);
+}
+
+static bool inside(const struct view *view, const double region[2], size_t row)
+{
+    return view->position[row][1] >= region[0] && view->position[row][1] < region[1];
+}
+
+void bulk_measure_within(const struct view *view, const double region[2], struct bulk *out)
+{
     double translation = 0;
     *out = (struct bulk){.time_s = view->time_s};
     for (size_t i = 0; i < view->moving; i++) {
+        if (!inside(view, region, i))
+            continue;
+        out->grains++;
         const double *v = view->velocity[i], *w = view->spin[i], r = view->position[i][3];
         if (!view->bodies) {
             translation += 0.5 * v[3] * square(v);
@@ -47,15 +62,18 @@ void bulk_measure(const struct view *view, struct bulk *out)
     }
     double sides = 0;
     for (size_t k = 0; k < view->contacts; k++) {
-        out->elastic += view->contact[k].elastic;
-        sides += view->contact[k].b < view->moving ? 2 : 1;
+        const struct view_contact *c = &view->contact[k];
+        bool a = inside(view, region, c->a), b = c->b < view->moving && inside(view, region, c->b);
+        out->elastic += a ? c->elastic : 0;
+        sides += a + b;
     }
     out->kinetic = translation + out->rotation;
-    out->centre_z /= out->mass;
-    out->speed_rms = sqrt(2 * translation / out->mass);
-    out->contacts = sides / (double)view->moving;
+    double mass = out->mass > 0 ? out->mass : 1; // there need not be a grain inside
+    out->centre_z /= mass;
+    out->speed_rms = sqrt(2 * translation / mass);
+    out->contacts = out->grains > 0 ? sides / out->grains : 0;
     for (int a = 0; a < 3; a++) {
-        out->velocity[a] = out->momentum[a] / out->mass;
+        out->velocity[a] = out->momentum[a] / mass;
         out->force[a] = view->base_force[a];
     }
 }
@@ -77,7 +95,7 @@ struct state {
     struct window window; // of what samples say, each of weight 1
     struct series series;
 };
-enum { MEAN_HEIGHT, MEAN_VX, MEAN_SPEED, MEAN_CONTACTS, MEAN_KINETIC }; // in the window
+enum { MEAN_HEIGHT, MEAN_VX, MEAN_SPEED, MEAN_CONTACTS, MEAN_KINETIC, MEAN_VOLUME }; // in the window
 
 /* Verdicts need samples even where nobody records them. */
 static bool wanted(const struct measure_context *context)
@@ -124,15 +142,15 @@ static enum scree_status sample(void *state, struct measure_context *context, co
                                 struct scree_error *err)
 {
     struct state *s = state;
-    const struct bulk *b = &context->last;
+    const struct bulk *b = &context->here, *all = &context->last;
     enum scree_status status = look_for_explosion(context, now, err);
     if (status)
         return status;
-    double values[WINDOW_VALUES] = {b->centre_z, b->velocity[0], b->speed_rms, b->contacts, b->kinetic};
+    double values[WINDOW_VALUES] = {b->centre_z, b->velocity[0], b->speed_rms, b->contacts, b->kinetic, b->volume};
     window_add(&s->window, b->time_s, 1, values);
     if (context->site.area > 0 && b->time_s >= context->site.gate_s) { // behind a gate rest is no verdict
         struct verdict *verdict = &context->verdict;
-        verdict_add(verdict, b->time_s, b->kinetic, b->elastic, b->speed_rms, b->centre_z);
+        verdict_add(verdict, all->time_s, all->kinetic, all->elastic, all->speed_rms, all->centre_z);
         if (verdict->current != VERDICT_UNDECIDED && (context->job->stop.when >> (verdict->current - 1) & 1))
             context->stop = true;
     }
@@ -148,13 +166,12 @@ static size_t numbers(const void *state, const struct measure_context *context, 
 {
     (void)now;
     const struct measure_site *site = &context->site;
-    const struct bulk *last = &context->last;
     double mean[WINDOW_VALUES];
     if (site->area_z <= 0)
         return 0;
     double from = window_means(&((const struct state *)state)->window, measure_window_from(context), mean);
     double d = site->diameter, g = hypot(context->gravity[0], context->gravity[2]);
-    double height = 2 * (mean[MEAN_HEIGHT] - site->base_z), fraction = last->volume / (site->area * height);
+    double height = 2 * (mean[MEAN_HEIGHT] - site->base_z), fraction = mean[MEAN_VOLUME] / (site->area_z * height);
     /* Bagnold's profile: local inertial number from the mean velocity (protocols 1.11). */
     double inertial = 2.5 * mean[MEAN_VX] * d / (height * sqrt(fraction * -context->gravity[2] * height));
     const struct scree_number all[] = {

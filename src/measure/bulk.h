@@ -18,12 +18,15 @@ struct bulk {
     double force[3];     // on the base, N
     double contacts;     // contacts a moving grain has, those with the base included (coordination number)
     double mass, volume; // of moving grains, kg, m3
+    double grains;       // how many they are: rows
 };
 
 /* Rows of the streams `bulk` and `energy`. */
-enum { BULK_COLUMNS = 13, ENERGY_COLUMNS = 10 };
+enum { BULK_COLUMNS = 13, ENERGY_LOST = 5, ENERGY_RESIDUAL = 9, ENERGY_COLUMNS = 10 };
 
 void bulk_measure(const struct view *view, struct bulk *out);
+/* The same of grains whose y is in [region[0], region[1]), and of their contacts; of bodies only all. */
+void bulk_measure_within(const struct view *view, const double region[2], struct bulk *out);
 void bulk_row(const struct bulk *bulk, double row[BULK_COLUMNS]);
 
 /* `start` is the energy (kinetic and elastic) at t = 0, J: the residual is what

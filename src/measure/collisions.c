@@ -71,7 +71,8 @@ static enum scree_status note(struct state *s, const struct measure_context *con
             return status;
         s->kept_s = instant;
     }
-    if (f->place[1] >= context->site.region[0] && f->place[1] < context->site.region[1]) {
+    bool of_grains = f->b < VIEW_WALL || f->fixed; // side walls and ceilings are none
+    if (of_grains && f->place[1] >= context->site.region[0] && f->place[1] < context->site.region[1]) {
         sums[COUNT] += 1;
         sums[NORMAL2] += f->approach * f->approach;
         sums[TANGENTIAL2] += slide2;
@@ -113,9 +114,9 @@ static size_t numbers(const void *state, const struct measure_context *context, 
     if (!sums)
         return 0;
     double from = history_since(&s->history, s->buffers, measure_window_from(context), sums), span = context->time_s - from;
-    double count = sums[COUNT], moving = (double)context->moving, per = count > 0 ? count : 1;
+    double count = sums[COUNT], moving = fmax(1, context->here.grains), per = count > 0 ? count : 1;
     const struct scree_number all[] = {
-        {"collisions", "1", "contacts that formed in the window", count},
+        {"collisions", "1", "contacts that formed in the window between grains, or with the base", count},
         {"collisions_per_s", "1/s", "the same over the window's length", span > 0 ? count / span : 0},
         {"collisions_per_grain_s", "1/s", "and over the moving grains, each contact counted once",
          span > 0 ? count / span / moving : 0},

@@ -121,7 +121,7 @@ static size_t numbers(const void *state, const struct measure_context *context, 
             joined[k] = all[k] > 0 ? sums[k * SUMS + JOINED] / all[k] : 0;
             pushing[k] = all[k] > 0 ? sums[k * SUMS + PUSHING] / all[k] : 0;
         }
-        double top = 2 * (context->last.centre_z - context->site.base_z), d = grid.diameter;
+        double top = 2 * (context->here.centre_z - context->site.base_z), d = grid.diameter;
         const struct scree_number numbers_of[] = {
             {"lambda", "1",
              "extent of chains of contacts from the base, in diameters: P_C ~ exp(-z / (lambda d)); 0: P_C does not fall",

@@ -7,6 +7,7 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "calibrate/impact.h"
 #include "measure/measure.h"
 
 static const struct scree_column columns[CONTACT_COLUMNS] = {
@@ -143,10 +144,54 @@ size_t contact_summary(const struct contact_trace *t, double step_s, struct scre
 enum { CHUNK = 256 };
 static const struct scree_stream *const streams[] = {&contact_stream};
 
+/* The error that time steps make in the normal force of a head-on impact (seed 000 S4.5): the equation of motion is solved
+ * beside the run, from the instant at which the surfaces met, and compared at every step. */
+struct force_check {
+    struct impact truth;
+    double unit;          // of its force, N
+    double tau;           // of its time, s
+    double error2, size2; // sums of squares over steps, N2
+};
+
 struct state {
     struct contact_trace trace;
+    struct force_check check;
     struct series series;
 };
+
+/* Is normal motion all there is? */
+static bool head_on(const struct job_spec *job)
+{
+    const struct collision_params *p = (const struct collision_params *)(const void *)job->params;
+    static const double none[3];
+    return memcmp(p->tangential_m_s, none, sizeof none) == 0 && memcmp(p->spin1_rad_s, none, sizeof none) == 0 &&
+           memcmp(p->spin2_rad_s, none, sizeof none) == 0 && memcmp(p->gravity_m_s2, none, sizeof none) == 0;
+}
+
+static void start_check(struct force_check *check, const struct job_spec *job, const struct view *view, double speed)
+{
+    const struct material_spec *m = &job->material;
+    long one = row_of(view, 0), two = row_of(view, 1);
+    double mass = view->velocity[one][3], radius = view->position[one][3];
+    if (two >= 0) {
+        double other = view->velocity[two][3], r = view->position[two][3];
+        mass = (size_t)two < view->moving ? mass * other / (mass + other) : mass;
+        radius = radius * r / (radius + r);
+    }
+    double length = impact_length(mass, radius, m->young_Pa / (1 - m->poisson * m->poisson), speed);
+    check->tau = length / speed;
+    check->unit = mass * speed * speed / length;
+    impact_start(&check->truth, m->beta_s / check->tau);
+}
+
+/* One step of contact, or the one after it; `force` is the world's. */
+static void check_force(struct force_check *check, double time_in_contact, double force)
+{
+    impact_advance(&check->truth, time_in_contact / check->tau - check->truth.time);
+    double truth = check->unit * impact_force(&check->truth);
+    check->error2 += (force - truth) * (force - truth);
+    check->size2 += truth * truth;
+}
 
 static size_t chunk(const struct measure_context *context)
 {
@@ -169,6 +214,10 @@ static enum scree_status sample(void *state, struct measure_context *context, co
     struct state *s = state;
     double row[CONTACT_COLUMNS];
     contact_measure(now->grains, &s->trace, row);
+    if (s->trace.touching && s->check.tau == 0 && head_on(context->job))
+        start_check(&s->check, context->job, now->grains, -s->trace.before[2]);
+    if (s->check.tau > 0)
+        check_force(&s->check, context->time_s - s->trace.start_s, row[3]);
     context->stop = context->stop || s->trace.ended;
     return series_add(&s->series, context->sink, context->time_s, row, err);
 }
@@ -177,8 +226,13 @@ static size_t numbers(const void *state, const struct measure_context *context, 
                       struct scree_number *out, size_t room)
 {
     (void)now;
-    struct scree_number all[CONTACT_NUMBERS];
-    size_t count = contact_summary(&((const struct state *)state)->trace, context->job->time.step_s, all);
+    const struct state *s = state;
+    struct scree_number all[CONTACT_NUMBERS + 1];
+    size_t count = contact_summary(&s->trace, context->job->time.step_s, all);
+    if (count > 0 && s->check.tau > 0)
+        all[count++] = (struct scree_number){"force_error", "1",
+                                             "root mean square error of the normal force at each step over that of the force",
+                                             sqrt(s->check.error2 / s->check.size2)};
     return measure_numbers(out, room, all, count);
 }
 

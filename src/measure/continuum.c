@@ -16,7 +16,7 @@
 enum { SURFACE, STILL, INERTIAL, BUFFERS };
 struct state {
     struct deposit last;
-    double volume, residual_mean, residual_largest;
+    double volume;
     uint64_t steps, rows, sweeps, unconverged;
     struct series series;
     struct measure_buffer buffers[BUFFERS]; // empty between samples
@@ -51,7 +51,12 @@ static enum scree_status look(struct state *s, const struct measure_context *con
             return status;
     }
     struct deposit_lines lines = {layers, s->buffers[SURFACE].values, s->buffers[STILL].values, s->buffers[INERTIAL].values};
+    const struct deposit before = s->last;
     deposit_measure(view, &site, &lines, &s->last);
+    if (view->step > s->steps) {
+        s->last.front_speed = (s->last.run_out - before.run_out) / (s->last.time_s - before.time_s);
+        s->last.sweeps = (double)(view->sweeps - s->sweeps) / (double)(view->step - s->steps);
+    }
     for (int k = 0; k < BUFFERS; k++)
         s->buffers[k].count = 0;
     s->volume = view->volume;
@@ -59,8 +64,6 @@ static enum scree_status look(struct state *s, const struct measure_context *con
     s->rows = view->rows;
     s->sweeps = view->sweeps;
     s->unconverged = view->unconverged;
-    s->residual_mean = view->residual_mean;
-    s->residual_largest = view->residual_largest;
     return SCREE_OK;
 }
 
@@ -74,9 +77,11 @@ static void judge(struct measure_context *context, const struct deposit *d)
     struct verdict *verdict = &context->verdict;
     bool rest = context->site.gate && d->time_s >= SETTLED_S && d->fastest < DEPOSIT_REST;
     verdict->current = rest ? VERDICT_REST : VERDICT_UNDECIDED;
-    snprintf(verdict->evidence, sizeof verdict->evidence,
-             "fastest point at %.3g m/s (rest: below %g), %.4g s after the gate began to lift", d->fastest, DEPOSIT_REST,
-             d->time_s);
+    int length = snprintf(verdict->evidence, sizeof verdict->evidence, "fastest point at %.3g m/s (rest: below %g)", d->fastest,
+                          DEPOSIT_REST);
+    if (context->site.gate)
+        snprintf(verdict->evidence + length, sizeof verdict->evidence - (size_t)length, ", %.4g s after the gate began to lift",
+                 d->time_s);
     if (rest && (context->job->stop.when & STOP_REST))
         context->stop = true;
 }
@@ -101,24 +106,32 @@ static size_t numbers(const void *state, const struct measure_context *context, 
 {
     const struct state *s = state;
     const struct deposit *d = &s->last;
-    (void)context, (void)now;
-    const struct scree_number all[] = {
+    const struct measure_site *site = &context->site;
+    (void)now;
+    const struct scree_number of_collapse[] = {
         {"run_out", "m", "from the gate to where the deposit is 2 mm deep, at the side wall", d->run_out},
         {"furthest", "m", "of a point 2 mm above the bed, from the back wall", d->furthest},
         {"height_back", "m", "of the surface over the bed at the back wall", d->height_back},
         {"since_gate", "s", "since the gate began to lift; params.gate_wait_s more since the start", d->time_s},
+        {"aspect_ratio", "1", "a, of the column: height over the bed over length", site->height / site->gate_x},
+        {"run_out_ratio", "1", "(furthest - L0) / L0", (d->furthest - site->gate_x) / site->gate_x},
+        {"height_ratio", "1", "H0 over the height at the back wall", site->height / d->height_back},
+    };
+    const struct scree_number all[] = {
         {"fastest", "m/s", "point", d->fastest},
+        {"surface_angle", "deg", "of the surface over the middle of the box, against the horizontal", d->surface_angle},
         {"surface_volume", "m3", "under the free surface, bed included", d->surface_volume},
         {"material_volume", "m3", "of all points, which never changes", s->volume},
         {"volume_lost", "%", "by which the surface holds less than the material", 100 * (1 - d->surface_volume / s->volume)},
         {"overfull", "%", "of the material, beyond what nodes can hold", 100 * d->overfull / s->volume},
         {"sweeps_per_step", "1", "of the solver", (double)s->sweeps / fmax(1, (double)s->steps)},
         {"unconverged_steps", "1", "whose sweeps ran out before params.continuum.tolerance", (double)s->unconverged},
-        {"residual_mean", "1", "squared, of the last step", s->residual_mean},
-        {"residual_largest", "1", "squared, of the last step", s->residual_largest},
+        {"residual_mean", "1", "squared, of the last step", d->residual_mean},
+        {"residual_largest", "1", "squared, of the last step", d->residual_largest},
         {"rows", "1", "nodes with material", (double)s->rows},
     };
-    return measure_numbers(out, room, all, sizeof all / sizeof *all);
+    size_t count = site->gate ? measure_numbers(out, room, of_collapse, sizeof of_collapse / sizeof *of_collapse) : 0;
+    return count + measure_numbers(out + count, room - count, all, sizeof all / sizeof *all);
 }
 
 static const struct scree_stream *const deposit_streams[] = {&deposit_stream};

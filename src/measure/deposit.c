@@ -9,12 +9,20 @@
 #include "base/memory.h"
 
 static const struct scree_column columns[DEPOSIT_COLUMNS] = {
-    {"since_gate", "s"},       {"run_out", "m"},      {"furthest", "m"},     {"height_back", "m"},  {"fastest", "m/s"},
-    {"flowing_share", "1"},    {"inertial_q30", "1"}, {"inertial_q50", "1"}, {"inertial_q70", "1"}, {"surface_volume", "m3"},
-    {"overfull_volume", "m3"}, {"kinetic", "J"},      {"potential", "J"},
+    {"since_gate", "s"},      {"run_out", "m"},          {"front_speed", "m/s"}, {"furthest", "m"},         {"height_back", "m"},
+    {"fastest", "m/s"},       {"flowing_share", "1"},    {"inertial_q30", "1"},  {"inertial_q50", "1"},     {"inertial_q70", "1"},
+    {"surface_volume", "m3"}, {"overfull_volume", "m3"}, {"kinetic", "J"},       {"potential", "J"},        {"inclination", "deg"},
+    {"surface_angle", "deg"}, {"sweeps_per_step", "1"},  {"residual_mean", "1"}, {"residual_largest", "1"},
 };
-const struct scree_stream deposit_stream = {"deposit", "front, height, speed, inertial numbers and volume of a collapse", columns,
-                                            DEPOSIT_COLUMNS, false};
+const struct scree_stream deposit_stream = {
+    "deposit", "front, height, speed, inertial numbers, volume and slope of a collapse, and how well the law was solved", columns,
+    DEPOSIT_COLUMNS, false};
+
+static const struct scree_column surface_columns[SURFACE_COLUMNS] = {
+    {"x", "m"}, {"surface", "m"}, {"static", "m"}, {"speed", "m/s"}};
+const struct scree_stream surface_stream = {
+    "surface", "heights of the free surface and of the line below which nothing flows, at the side wall, a chunk an instant",
+    surface_columns, SURFACE_COLUMNS, true};
 
 enum scree_status deposit_lines_start(struct deposit_lines *lines, const struct continuum_view *view, struct scree_error *err)
 {
@@ -138,15 +146,33 @@ static void look_at_nodes(const struct continuum_view *view, struct deposit_line
 static double volume_under(const struct continuum_view *view)
 {
     double sum = 0;
-    int across = continuum_layers(view, 1);
-    for (int x = 0; x <= view->cells[0]; x++)
+    int along = continuum_layers(view, 0), across = continuum_layers(view, 1);
+    for (int x = 0; x < along; x++)
         for (int y = 0; y < across; y++) {
-            double weight = x == 0 || x == view->cells[0] ? 0.5 : 1;
+            double weight = along > 1 && (x == 0 || x == along - 1) ? 0.5 : 1;
             if (across > 1 && (y == 0 || y == across - 1))
                 weight *= 0.5;
             sum += weight * surface_at(view, x, y);
         }
     return sum * view->spacing[0] * (view->plane ? view->length[1] : view->spacing[1]);
+}
+
+/* Slope of a line through the surface over the middle of the box (seed 002, section 2.4: 0.3 to 0.7 of its length), rad. */
+static double slope_of(const struct continuum_view *view, const struct deposit_lines *lines)
+{
+    double n = 0, sx = 0, sz = 0, sxx = 0, sxz = 0;
+    for (size_t k = 0; k < lines->layers; k++) {
+        double x = (double)k * view->spacing[0], z = lines->surface[k];
+        if (x < 0.3 * view->length[0] || x > 0.7 * view->length[0])
+            continue;
+        n++;
+        sx += x;
+        sz += z;
+        sxx += x * x;
+        sxz += x * z;
+    }
+    double spread = n * sxx - sx * sx;
+    return spread > 0 ? atan((n * sxz - sx * sz) / spread) : 0;
 }
 
 void deposit_measure(const struct continuum_view *view, const struct deposit_site *site, struct deposit_lines *lines,
@@ -159,12 +185,28 @@ void deposit_measure(const struct continuum_view *view, const struct deposit_sit
     out->surface_volume = volume_under(view);
     look_at_points(view, site, out);
     look_at_nodes(view, lines, out);
+    out->inclination = atan2(view->gravity[0], -view->gravity[2]) * 180 / M_PI;
+    out->surface_angle = out->inclination - slope_of(view, lines) * 180 / M_PI;
+    out->residual_mean = view->residual_mean;
+    out->residual_largest = view->residual_largest;
+}
+
+void deposit_surface(const struct continuum_view *view, const struct deposit_lines *lines, double (*rows)[SURFACE_COLUMNS])
+{
+    for (size_t x = 0; x < lines->layers; x++) {
+        int z = (int)(lines->surface[x] / view->spacing[2]); // the node under the surface
+        rows[x][0] = (double)x * view->spacing[0];
+        rows[x][1] = lines->surface[x];
+        rows[x][2] = lines->still[x];
+        rows[x][3] = speed_of(view->node_velocity[continuum_node(view, (int)x, 0, z)]);
+    }
 }
 
 void deposit_row(const struct deposit *d, double row[DEPOSIT_COLUMNS])
 {
-    const double values[DEPOSIT_COLUMNS] = {d->time_s,   d->run_out,     d->furthest,    d->height_back, d->fastest,
-                                            d->flowing,  d->inertial[0], d->inertial[1], d->inertial[2], d->surface_volume,
-                                            d->overfull, d->kinetic,     d->potential};
+    const double values[DEPOSIT_COLUMNS] = {d->time_s,         d->run_out,  d->front_speed,   d->furthest,        d->height_back,
+                                            d->fastest,        d->flowing,  d->inertial[0],   d->inertial[1],     d->inertial[2],
+                                            d->surface_volume, d->overfull, d->kinetic,       d->potential,       d->inclination,
+                                            d->surface_angle,  d->sweeps,   d->residual_mean, d->residual_largest};
     memcpy(row, values, sizeof values);
 }

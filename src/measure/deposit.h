@@ -27,13 +27,19 @@ struct deposit {
     double fastest;            // speed of the fastest point, m/s
     double flowing;            // share of the material that moves at 0.01 m/s or more
     double inertial[3];        // quantiles 0.3, 0.5, 0.7 of the inertial number
-    double surface_volume;     // under the free surface, m3 (bed included)
+    double surface_volume;     // under the free surface, m3 (bed included); too much by half a cell while a gate holds the column
     double overfull;           // volume of material that nodes hold beyond their room, m3
     double kinetic, potential; // J
+    double inclination;        // of the box, deg
+    double surface_angle;      // of the surface over the middle of the box against the horizontal, deg
+    double residual_mean, residual_largest; // squared, of the last step
+    /* Against the sample before, for whoever keeps it: */
+    double front_speed; // of run_out, m/s
+    double sweeps;      // a step
 };
 
 /* A row of the stream `deposit`. */
-enum { DEPOSIT_COLUMNS = 13 };
+enum { DEPOSIT_COLUMNS = 19 };
 extern const struct scree_stream deposit_stream;
 
 /* Lines along the flow, one value a layer of nodes along x; and room for the quantiles. */
@@ -51,9 +57,14 @@ void deposit_lines_free(struct deposit_lines *lines);
 /* Surface and static line at one layer of nodes across the channel (0: the side wall, as the camera sees it). */
 void deposit_trace(const struct continuum_view *view, int layer_y, struct deposit_lines *lines);
 
-/* Fills *out from a view; traces the side wall's lines. */
+/* Fills *out from a view, but what needs the sample before; traces the side wall's lines. */
 void deposit_measure(const struct continuum_view *view, const struct deposit_site *site, struct deposit_lines *lines,
                      struct deposit *out);
+
+/* A frame of the stream `surface`, lines->layers rows, from traced lines: at the side wall. */
+enum { SURFACE_COLUMNS = 4 };
+extern const struct scree_stream surface_stream;
+void deposit_surface(const struct continuum_view *view, const struct deposit_lines *lines, double (*rows)[SURFACE_COLUMNS]);
 
 /* The same as a row of a stream. */
 void deposit_row(const struct deposit *deposit, double row[DEPOSIT_COLUMNS]);

@@ -45,12 +45,30 @@ static enum scree_status sample(void *state, struct measure_context *context, co
     return series_add(state, context->sink, context->time_s, row, err);
 }
 
+static size_t numbers(const void *state, const struct measure_context *context, const struct measure_now *now,
+                      struct scree_number *out, size_t room)
+{
+    double row[ENERGY_COLUMNS], lost = 0;
+    (void)state;
+    if (!now->grains)
+        return 0;
+    energy_row(now->grains, &context->last, context->start_energy, row);
+    for (int k = ENERGY_LOST; k < ENERGY_RESIDUAL; k++)
+        lost += row[k];
+    const struct scree_number all[] = {
+        {"energy_lost", "J", "by damping, sliding, torsion and rolling together", lost},
+        {"energy_residual", "1", "what the ledger cannot say where it went, over what was lost", row[ENERGY_RESIDUAL] / lost},
+    };
+    return lost > 0 ? measure_numbers(out, room, all, sizeof all / sizeof *all) : 0;
+}
+
 const struct measurement measure_energy = {
     .name = "energy",
     .kind = SCENARIO_DEM,
-    .needs = MEASURE_VIEW,
+    .needs = MEASURE_VIEW | MEASURE_END_VIEW,
     .size = sizeof(struct series),
     .streams = streams,
     .stream_count = 1,
     .sample = sample,
+    .numbers = numbers,
 };

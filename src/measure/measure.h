@@ -24,10 +24,11 @@ struct measure_site {
     double diameter;     // of a grain, m
     double density;      // of its material, kg/m3
     double area_z;       // area that sums along z are per: the whole base, or its part within `region`; 0: nothing flows on it, m2
-    double region[2];    // y of what counts, m: [from, to)
+    double region[2];    // y of what is measured, m: [from, to); all of it, but verdicts and the ledger of energy
     size_t layers;       // grains over each point of the base: profiles reach four times as high
     struct mobility_site fall;  // of flows that are let go and come to rest; count 0 for others
     double bed, gate_x, gate_s; // of a collapse: depth of its bed, where its gate stands, when that begins to lift, m, m, s
+    double height;              // of its column over the bed, m; 0: there is no column
     bool gate;                  // is there one?
     double length_x, width_y;   // of a box in which bodies pile up; 0: there is none, m
     double calm;                // see verdict.h; 0: VERDICT_CALM
@@ -44,6 +45,7 @@ struct measure_context {
     size_t moving, fixed; // grains
     struct verdict verdict;
     struct bulk last;    // the newest sums over grains: of this sample's view, if it has one
+    struct bulk here;    // the same over those within the site's region
     double start_energy; // of the grains at t = 0, kinetic and elastic, J
     bool stop;           // a measurement has seen the end
 };

@@ -14,8 +14,7 @@
 
 #include "base/memory.h"
 
-#define FRONT_CUT    0.03  // m, of the uncertainty bar
-#define CENTRAL_HALF 0.025 // m
+#define FRONT_CUT 0.03 // m, of the uncertainty bar
 
 void fragment_row(const struct view_body *b, int in_flow, double row[FRAGMENT_COLUMNS])
 {
@@ -158,8 +157,7 @@ static void measure_ranks(const struct view *view, const struct mobility_site *s
             s->ranked[n++] = (struct ranked){s->along[k], k};
     out->cube_front = rank_of_largest(view, s->ranked, n);
     for (size_t k = 0; k < n; k++) {
-        const double *x = view->body[s->ranked[k].body].position;
-        s->ranked[k].value = (x[2] - chute_z(&site->chute, x[0])) * cos(chute_slope(&site->chute, x[0]));
+        s->ranked[k].value = chute_height(&site->chute, view->body[s->ranked[k].body].position);
     }
     out->cube_height = rank_of_largest(view, s->ranked, n);
 }
@@ -225,6 +223,34 @@ static double median_place(const struct view *view, const struct scratch *s)
     return 0;
 }
 
+/* Mean and largest overlap of all contacts, in grain sizes. */
+static void measure_overlaps(const struct view *view, const struct mobility_site *site, double out[2])
+{
+    out[0] = out[1] = 0;
+    for (size_t c = 0; c < view->contacts; c++) {
+        double overlap = view->contact[c].overlap / site->grain_m;
+        out[0] += overlap / (double)view->contacts;
+        out[1] = fmax(out[1], overlap);
+    }
+}
+
+/* Between which places on the curved chute the middle nine tenths of the bodies that lie still are; 0, 0 where none do. */
+static void measure_still(const struct view *view, struct scratch *s, double out[2])
+{
+    size_t count = 0;
+    out[0] = out[1] = 0;
+    for (uint32_t k = 0; k < view->bodies; k++) {
+        const double *v = view->body[k].velocity;
+        if (s->along[k] > 0 && v[0] * v[0] + v[1] * v[1] + v[2] * v[2] < FLOW_STILL * FLOW_STILL)
+            s->ranked[count++] = (struct ranked){s->along[k], k};
+    }
+    if (count == 0)
+        return;
+    qsort(s->ranked, count, sizeof *s->ranked, by_value);
+    out[0] = s->ranked[count / 20].value;
+    out[1] = s->ranked[count - 1 - count / 20].value;
+}
+
 enum scree_status flow_measure(const struct view *view, const struct mobility_site *site, double row[FLOW_COLUMNS],
                                struct scree_error *err)
 {
@@ -238,7 +264,7 @@ enum scree_status flow_measure(const struct view *view, const struct mobility_si
     for (size_t k = 0; k < view->bodies; k++) {
         const struct view_body *b = &view->body[k];
         const double *v = b->velocity, *w = b->spin, *l = b->momentum;
-        if (fabs(s.along[k] - place) > CENTRAL_HALF)
+        if (fabs(s.along[k] - place) > FLOW_CENTRAL_HALF)
             continue;
         double slope = chute_slope(&site->chute, b->position[0]);
         count += 1;
@@ -251,6 +277,9 @@ enum scree_status flow_measure(const struct view *view, const struct mobility_si
         potential += b->mass * g * b->position[2];
         at_start += b->mass * g * site->release[b->id][2];
     }
+    double overlap[2], still[2];
+    measure_overlaps(view, site, overlap);
+    measure_still(view, &s, still);
     const double all[FLOW_COLUMNS] = {view->time_s,
                                       place,
                                       count,
@@ -259,7 +288,11 @@ enum scree_status flow_measure(const struct view *view, const struct mobility_si
                                       translation / mass,
                                       rotation / mass,
                                       potential / mass,
-                                      (at_start - translation - rotation - potential) / mass};
+                                      (at_start - translation - rotation - potential) / mass,
+                                      overlap[0],
+                                      overlap[1],
+                                      still[0],
+                                      still[1]};
     memcpy(row, all, sizeof all);
     scratch_free(&s);
     return SCREE_OK;

@@ -35,8 +35,11 @@ struct mobility {
 enum scree_status mobility_measure(const struct view *view, const struct mobility_site *site, struct mobility *out,
                                    uint8_t *in_flow, struct scree_error *err);
 
-/* The central 5 cm of the flow: bodies within 2.5 cm, along the chute, of the median of the mass. */
-enum { FLOW_COLUMNS = 9 };
+/* The central 5 cm of the flow: bodies within 2.5 cm, along the chute, of the median of the mass; overlaps of all
+ * contacts; where on the chute bodies lie still (slower than FLOW_STILL). */
+enum { FLOW_PLACE = 1, FLOW_VARIANCE = 3, FLOW_OVERLAP = 10, FLOW_COLUMNS = 13 };
+#define FLOW_STILL        0.01  // m/s
+#define FLOW_CENTRAL_HALF 0.025 // m
 enum scree_status flow_measure(const struct view *view, const struct mobility_site *site, double row[FLOW_COLUMNS],
                                struct scree_error *err);
 

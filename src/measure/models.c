@@ -42,8 +42,6 @@ void models_power(const struct coarse_grid *grid, const struct profile *profile,
     double fraction = profiles_at(grid, profile, offsetof(struct profile, fraction), low);
     double temperature = profiles_at(grid, profile, offsetof(struct profile, temperature), low);
     double speed = fabs(profiles_at(grid, profile, offsetof(struct profile, velocity), low));
-    double above = profiles_at(grid, profile, offsetof(struct profile, velocity), low + 0.5 * d);
-    double below = profiles_at(grid, profile, offsetof(struct profile, velocity), low - 0.5 * d);
-    out->thin = layer_power(grid, density, fraction, speed, temperature);
-    out->thick = layer_power(grid, density, fraction, fabs(above - below), temperature);
+    out->thin = layer_power(grid, density, bulk->fraction, fabs(bulk->velocity), bulk->temperature);
+    out->thick = layer_power(grid, density, fraction, speed, temperature);
 }

@@ -7,10 +7,15 @@
  *     P_F^0 = A int n_I(z) J(z)^2 <cos^2> T(z) dz
  * with T what the way to the base leaves. None has a fitted constant but those
  * named below. Do not cite numbers from here as the papers'. How well they do over
- * several flows (epsilon) is drawn by `scree plot` of a sweep. The two layer models
- * lie two to three orders of magnitude low in dense flows, for their rate: on the base
- * of a flow 8 d deep at 22 degrees a grain forms contacts thousands of times while it
- * passes one bump, each with an impulse like theirs, and not once. */
+ * several flows (epsilon) is drawn by `scree plot` of a sweep.
+ *
+ * The two layer models let a grain hit a bump a diameter. What the public abstract of
+ * the model they are after says is power as the *average* speed cubed, and of its two
+ * limits that grains are about as large as the flow is deep (thin) or far smaller
+ * (thick). In a thin flow every grain is a basal one, so the speed is the flow's mean;
+ * in a thick one it is the basal layer's own, and there the idea is off by its rate:
+ * on the base of a flow 8 d deep at 22 degrees grains move at 6 mm/s, so that a bump
+ * would be hit 3 times a second, and form some 20,000 contacts a second at 7 mm/s. */
 #ifndef SCREE_MEASURE_MODELS_H
 #define SCREE_MEASURE_MODELS_H
 
@@ -25,8 +30,8 @@
 
 struct model_power {
     double minimal;    // T = P_C eta^(z/d), J = m <dn^2>^(1/2), doubled on the base; no constant
-    double thin;       // A phi (pi/6) rho^2 d^3 u_b^3 (1 + 3 v^2): a basal layer hits bumps at its own speed u_b; no constant
-    double thick;      // the same at u' d, by which layers pass each other; no constant
+    double thin;       // A phi (pi/6) rho^2 d^3 u^3 (1 + 3 v^2): all grains hit bumps at the flow's mean speed; no constant
+    double thick;      // the same at the speed and agitation of the basal layer alone; no constant
     double attenuated; // T = exp(-gamma z/d), J = 2 m T^(1/2); gamma
     double pressure;   // A p^2: P_F^0 is proportional to it, with a free constant, N2/m2
 };

@@ -35,7 +35,7 @@ static void fit_grid(const struct collapse_params *p, struct mpm_setup *s)
     double along = p->length_m / whole(p->length_m, p->cell_m);
     double fitted = p->bed_m > 0 ? p->bed_m : p->height_m, up = fitted / whole(fitted, p->cell_height_m);
     s->cells[0] = (int)ceil(p->box_length_m / along - 1e-9);
-    s->cells[1] = whole(p->width_m, p->cell_m);
+    s->cells[1] = p->cells_across > 0 ? (int)p->cells_across : whole(p->width_m, p->cell_m);
     s->cells[2] = (int)ceil(p->box_height_m / up - 1e-9);
     s->length[0] = s->cells[0] * along;
     s->length[1] = p->width_m;
@@ -46,7 +46,7 @@ static void collapse_plan(const struct job_spec *job, struct continuum_plan *pla
 {
     const struct collapse_params *p = params_of(job);
     struct mpm_setup *s = &plan->setup;
-    *plan = (struct continuum_plan){.bed = p->bed_m, .gate_x = p->length_m, .start_s = p->gate_wait_s};
+    *plan = (struct continuum_plan){.bed = p->bed_m, .gate_x = p->length_m, .height = p->height_m, .start_s = p->gate_wait_s};
     continuum_fill(job, &p->continuum, s);
     s->plane = p->plane;
     fit_grid(p, s);

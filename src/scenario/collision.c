@@ -29,7 +29,7 @@ static enum scree_status collision_build(const struct job_spec *job, const char 
     const struct collision_params *p = params_of(job);
     double r1 = p->radius1_m > 0 ? p->radius1_m : job->material.radius_m;
     double r2 = p->radius2_m > 0 ? p->radius2_m : job->material.radius_m;
-    bool plane = p->partner == PARTNER_PLANE, fixed = p->partner == PARTNER_FIXED_SPHERE;
+    bool plane = p->partner >= PARTNER_PLANE, fixed = p->partner == PARTNER_FIXED_SPHERE;
     struct dem_grain grains[2] = {
         {.position = {0, 0, r1 + p->gap_m},
          .velocity = {p->tangential_m_s[0], p->tangential_m_s[1], -p->speed_m_s},
@@ -39,7 +39,11 @@ static enum scree_status collision_build(const struct job_spec *job, const char 
     };
     memcpy(grains[0].spin, p->spin1_rad_s, sizeof grains[0].spin);
     memcpy(grains[1].spin, p->spin2_rad_s, sizeof grains[1].spin);
-    const struct dem_wall floor = {.normal = {0, 0, 1}, .base = true};
+    const struct dem_wall floor = {.normal = {0, 0, 1},
+                                   .base = true,
+                                   .partner = p->partner == PARTNER_WALL     ? BEAD_WALL
+                                              : p->partner == PARTNER_MIRROR ? BEAD_MIRROR
+                                                                             : BEAD_BEAD};
     struct dem_setup setup = {.step_s = job->time.step_s,
                               .grains = grains,
                               .grain_count = plane ? 1 : 2,

@@ -4,9 +4,9 @@
 
 #include <string.h>
 
-extern const struct continuum_scenario continuum_collapse, continuum_tilt;
+extern const struct continuum_scenario continuum_collapse, continuum_tilt, continuum_layer;
 
-static const struct continuum_scenario *const all[] = {&continuum_collapse, &continuum_tilt};
+static const struct continuum_scenario *const all[] = {&continuum_collapse, &continuum_tilt, &continuum_layer};
 
 const struct continuum_scenario *continuum_scenario_find(const char *name)
 {

@@ -12,8 +12,8 @@ struct continuum_plan {
     struct mpm_region regions[2];
     struct mpm_body gate;
     /* What a deposit is measured from. */
-    double bed, gate_x; // m
-    double start_s;     // when the gate begins to lift
+    double bed, gate_x, height; // m: depth of the bed, where the column ends, its height over the bed
+    double start_s;             // when the gate begins to lift
 };
 
 struct continuum_scenario {

@@ -8,6 +8,7 @@
 #include "scenario/fragments.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -168,13 +169,43 @@ static bool try_place(const struct space *s, struct grid *g, struct rng *rng, co
     return true;
 }
 
+/* The user's own clast: by exact integrals over its polyhedron, or as said in numbers. */
+static enum scree_status make_clast(const struct job_spec *job, struct clump *out, struct scree_error *err)
+{
+    const struct clast_spec *c = &params_of(job)->clast;
+    const double *m = c->moments_kg_m2, *o = c->products_kg_m2, inertia[6] = {m[0], m[1], m[2], o[0], o[1], o[2]};
+    uint32_t corner[CLAST_FACES][3];
+    struct trimesh *mesh = NULL;
+    enum scree_status status;
+    if (c->faces.count > 0) {
+        for (int64_t k = 0; k < c->faces.count; k++)
+            for (int v = 0; v < 3; v++)
+                corner[k][v] = (uint32_t)c->faces.row[k][v];
+        status = trimesh_create(c->vertices.row, (size_t)c->vertices.count, (const uint32_t(*)[3])corner, (size_t)c->faces.count,
+                                true, &mesh, err);
+        if (!status)
+            status = clump_inscribe(mesh, c->spheres.row, (size_t)c->spheres.count, job->fragments.density_kg_m3, out, NULL, err);
+        trimesh_free(mesh);
+    } else {
+        status = clump_create(c->spheres.row, (size_t)c->spheres.count, c->mass_kg, c->centre_m, inertia,
+                              c->mass_kg / job->fragments.density_kg_m3, out, NULL, err);
+    }
+    if (status == SCREE_INVALID && err) { // geometry knows no job: say whose clast it is
+        char message[sizeof err->message];
+        snprintf(message, sizeof message, "params.clast: %.400s", err->message);
+        scree_fail(err, SCREE_INVALID, "params.clast", "%s", message);
+    }
+    return status;
+}
+
 static enum scree_status make_shapes(const struct job_spec *job, struct clump shapes[FRAGMENT_SHAPES], struct scree_error *err)
 {
     const struct chute_params *p = params_of(job);
     const double a = p->size_m, size[FRAGMENT_SHAPES][3] = {{a, a, a}, {a, a, a / 2}, {a, a / 2, a / 2}};
     enum scree_status status = SCREE_OK;
-    for (int k = 0; k < FRAGMENT_SHAPES && !status; k++)
-        status = clump_block(size[k], a / (2 * (double)p->spheres), job->fragments.density_kg_m3, &shapes[k], err);
+    for (int k = 0; k < FRAGMENT_SHAPES && !status; k++) // the user's stands in for all three
+        status = p->clast.on ? make_clast(job, &shapes[k], err)
+                             : clump_block(size[k], a / (2 * (double)p->spheres), job->fragments.density_kg_m3, &shapes[k], err);
     return status;
 }
 
@@ -183,7 +214,7 @@ enum scree_status fragments_fill(const struct job_spec *job, struct clump shapes
 {
     const struct chute_params *p = params_of(job);
     const struct chute chute = fragments_chute(job);
-    const double share[FRAGMENT_SHAPES] = {p->cubes, p->halves, fmax(0, 1 - p->cubes - p->halves)};
+    double share[FRAGMENT_SHAPES] = {p->cubes, p->halves, fmax(0, 1 - p->cubes - p->halves)}, largest = 0;
     struct space space = {.chute = &chute,
                           .low = {-chute.gate - space_length(job, &chute), -0.5 * chute.width, 0},
                           .high = {-chute.gate, 0.5 * chute.width, 0.5 * (chute.width - chute.floor) * tan(chute.side_rad)},
@@ -197,7 +228,13 @@ enum scree_status fragments_fill(const struct job_spec *job, struct clump shapes
     enum scree_status status = make_shapes(job, shapes, err);
     if (status)
         return status;
+    if (p->clast.on) {
+        memset(share, 0, sizeof share);
+        share[0] = 1;
+    }
     for (int k = 0; k < FRAGMENT_SHAPES; k++) {
+        for (size_t s = 0; s < shapes[k].spheres; s++)
+            largest = fmax(largest, shapes[k].sphere[s][3]);
         wanted[k] = (size_t)round(1e-3 * p->mass_g * share[k] / shapes[k].mass);
         total += wanted[k];
         spheres += wanted[k] * shapes[k].spheres;
@@ -208,7 +245,7 @@ enum scree_status fragments_fill(const struct job_spec *job, struct clump shapes
     if (!(*bodies = memory_rows(total, sizeof **bodies)))
         status = scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for %zu fragments", total);
     if (!status)
-        status = grid_start(&grid, space.low, space.high, shapes[0].sphere[0][3], spheres, err);
+        status = grid_start(&grid, space.low, space.high, largest, spheres, err);
     for (int k = 0; k < FRAGMENT_SHAPES && !status; k++)
         for (size_t n = 0; n < wanted[k] && !status; n++) {
             int tries = 0;

@@ -11,9 +11,9 @@ enum fragment_shape { FRAGMENT_CUBE, FRAGMENT_HALF, FRAGMENT_QUARTER, FRAGMENT_S
 
 struct chute fragments_chute(const struct job_spec *job);
 
-/* Shapes, and bodies at rest in random places and orientations without overlap,
- * cubes first (protocols 4): the same for the same job. Refuses a mass that does
- * not fit and says how much does. *bodies is owned by the caller. */
+/* Shapes (the user's own clast in place of all of them, where there is one), and bodies at rest in random places and orientations
+ * without overlap, cubes first (protocols 4): the same for the same job. Refuses a mass that does not fit and says how much does.
+ * *bodies is owned by the caller. */
 enum scree_status fragments_fill(const struct job_spec *job, struct clump shapes[FRAGMENT_SHAPES], struct dem_body **bodies,
                                  size_t *count, struct scree_error *err);
 

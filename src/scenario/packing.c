@@ -45,7 +45,7 @@ static bool overlaps(const struct columns *c, const struct packing *p, const str
                     double d2 = 0, reach = grain->radius + grains[k].radius;
                     for (int a = 0; a < 3; a++) {
                         double d = grain->position[a] - grains[k].position[a];
-                        if (a < 2)
+                        if (a == 0 || (a == 1 && !p->between))
                             d -= p->length[a] * round(d / p->length[a]);
                         d2 += d * d;
                     }
@@ -104,9 +104,10 @@ enum scree_status packing_insert(const struct packing *p, struct rng *rng, size_
         struct dem_grain *grain = &all[k];
         *grain = (struct dem_grain){.density = p->density};
         grain->radius = p->radius * rng_uniform(rng, 1 - p->spread, 1 + p->spread);
+        const double margin = p->between ? grain->radius : 0;
         for (;; ceiling += p->rise) {
             grain->position[0] = rng_uniform(rng, 0, p->length[0]);
-            grain->position[1] = rng_uniform(rng, 0, p->length[1]);
+            grain->position[1] = rng_uniform(rng, margin, p->length[1] - margin);
             grain->position[2] = p->floor_z + grain->radius + rng_uniform(rng, 0, ceiling);
             if (!overlaps(&c, p, all, grain))
                 break;

@@ -9,7 +9,8 @@
 #include "dem/dem.h"
 
 struct packing {
-    double length[2];                  // periodic lengths along x and y, m
+    double length[2];                  // extents along x and y, m, which are periodic
+    bool between;                      // y is not: new grains lie wholly within it
     double floor_z;                    // new grains lie wholly above, m
     double first_ceiling;              // height above the floor below which the first grains are tried, m
     double rise;                       // of the ceiling per failed try, m

@@ -9,6 +9,79 @@
 
 static const char *const accelerators[] = {"chute", "gate", NULL};
 
+#define CLAST(member) .offset = offsetof(struct clast_spec, member)
+
+static const struct field clast_fields[] = {
+    {.name = "spheres",
+     .type = FIELD_ROWS,
+     CLAST(spheres),
+     .size = CLAST_SPHERES,
+     .columns = 4,
+     .min = -1,
+     .max = 1,
+     .unit = "m",
+     .doc = "what touches: x, y, z and radius of each sphere, in any frame",
+     .source = "seed 003 3.1"},
+    {.name = "vertices",
+     .type = FIELD_ROWS,
+     CLAST(vertices),
+     .size = CLAST_VERTICES,
+     .columns = 3,
+     .min = -1,
+     .max = 1,
+     .unit = "m",
+     .doc = "of the convex polyhedron that the spheres are inscribed in, in the same frame",
+     .source = "seed 003 3.1"},
+    {.name = "faces",
+     .type = FIELD_ROWS,
+     CLAST(faces),
+     .size = CLAST_FACES,
+     .columns = 3,
+     .min = 0,
+     .max = CLAST_VERTICES - 1,
+     .unit = "",
+     .doc = "its triangles: three vertices each by number from 0, anticlockwise from outside; they give mass and inertia exactly",
+     .source = ""},
+    {.name = "mass_kg",
+     .type = FIELD_REAL,
+     CLAST(mass_kg),
+     .min = 0,
+     .max = 1e3,
+     .preset = 0,
+     .unit = "kg",
+     .doc = "without faces: its mass",
+     .source = ""},
+    {.name = "centre_m",
+     .type = FIELD_VEC3,
+     CLAST(centre_m),
+     .min = -1,
+     .max = 1,
+     .preset = 0,
+     .unit = "m",
+     .doc = "without faces: its centre of mass",
+     .source = ""},
+    {.name = "moments_kg_m2",
+     .type = FIELD_VEC3,
+     CLAST(moments_kg_m2),
+     .min = 0,
+     .max = 1e3,
+     .preset = 0,
+     .unit = "kg m2",
+     .doc = "without faces: xx, yy, zz of its inertia tensor about the centre of mass",
+     .source = ""},
+    {.name = "products_kg_m2",
+     .type = FIELD_VEC3,
+     CLAST(products_kg_m2),
+     .min = -1e3,
+     .max = 1e3,
+     .preset = 0,
+     .unit = "kg m2",
+     .doc = "without faces: xy, xz, yz of that tensor",
+     .source = ""},
+};
+static const struct field_table clast_table = {"clast", "", clast_fields, sizeof clast_fields / sizeof *clast_fields,
+                                               sizeof(struct clast_spec)};
+
 static const struct field fields[] = {
     {.name = "mass_g",
      .type = FIELD_REAL,
@@ -55,6 +128,14 @@ static const struct field fields[] = {
      .unit = "",
      .doc = "spheres along a cube's edge, 2 or 4: of radius size/4 or size/8",
      .source = "ours; protocols 4"},
+    {.name = "clast",
+     .type = FIELD_SWITCH,
+     AT(clast),
+     .preset = 0,
+     .unit = "",
+     .doc = "a clast of your own, of which all are, in place of cubes, halves and quarters; size_m stays the delta of beta",
+     .source = "",
+     .table = &clast_table},
     {.name = "space_mass_g",
      .type = FIELD_REAL,
      AT(space_mass_g),
@@ -188,8 +269,11 @@ static struct job_cost chute_cost(const struct job_spec *job)
     double cube = job->fragments.density_kg_m3 * p->size_m * p->size_m * p->size_m, per = (double)(p->spheres * p->spheres);
     double mass = p->mass_g * 1e-3, quarters = 1 - p->cubes - p->halves;
     /* Spheres: 2 x 2 x 2, 2 x 2 x 1, 2 x 1 x 1 with two along the edge; four along it leave the inner ones out. */
+    if (p->clast.on) // its mass is known once it is built: that of a cube, if it has not been said
+        cube = p->clast.mass_kg > 0 ? p->clast.mass_kg : cube;
     double cubes = p->spheres == 2 ? 8 : 56, halves = 2 * per / (p->spheres == 2 ? 2 : 1), rest = halves / 2;
-    struct job_cost cost = {.moving = mass / cube * (p->cubes * cubes + 2 * p->halves * halves + 4 * quarters * rest),
+    double per_cube = p->cubes * cubes + 2 * p->halves * halves + 4 * quarters * rest;
+    struct job_cost cost = {.moving = mass / cube * (p->clast.on ? (double)p->clast.spheres.count : per_cube),
                             .steps = fmax(1, round(job->time.end_s / job->time.step_s))};
     cost.bytes = cost.moving * SPEC_BYTES_PER_GRAIN;
     return cost;
@@ -198,11 +282,42 @@ static struct job_cost chute_cost(const struct job_spec *job)
 /* Steps above this share of the Rayleigh time do not follow contacts (20 to 40 % is EDEM's habit). */
 #define RAYLEIGH_SHARE 0.4
 
+/* Of the smallest sphere: contacts of it are the quickest. */
+static double smallest_radius(const struct chute_params *p)
+{
+    double smallest = INFINITY;
+    for (int64_t k = 0; p->clast.on && k < p->clast.spheres.count; k++)
+        smallest = fmin(smallest, p->clast.spheres.row[k][3]);
+    return p->clast.on ? smallest : p->size_m / (2 * (double)p->spheres);
+}
+
+static enum scree_status check_clast(const struct clast_spec *clast, struct scree_error *err)
+{
+    if (clast->spheres.count == 0)
+        return scree_fail(err, SCREE_INVALID, "params.clast.spheres", "params.clast.spheres: a clast needs a sphere to touch with");
+    for (int64_t k = 0; k < clast->spheres.count; k++)
+        if (!(clast->spheres.row[k][3] > 0))
+            return scree_fail(err, SCREE_INVALID, "params.clast.spheres", "params.clast.spheres: sphere %lld has no radius",
+                              (long long)k);
+    for (int64_t k = 0; k < clast->faces.count; k++)
+        for (int c = 0; c < 3; c++)
+            if (clast->faces.row[k][c] != floor(clast->faces.row[k][c]) || clast->faces.row[k][c] >= (double)clast->vertices.count)
+                return scree_fail(err, SCREE_INVALID, "params.clast.faces", "params.clast.faces: triangle %lld has no such vertex",
+                                  (long long)k);
+    if (clast->faces.count > 0 && clast->mass_kg > 0)
+        return scree_fail(err, SCREE_INVALID, "params.clast.mass_kg",
+                          "params.clast.mass_kg: faces give the mass already, with material.density_kg_m3");
+    return SCREE_OK;
+}
+
 static enum scree_status chute_check(const struct job_spec *job, struct scree_error *err)
 {
     const struct chute_params *p = params_of(job);
     char text[TEXT_REAL_MAX];
-    double longest = RAYLEIGH_SHARE * fragment_rayleigh_time(&job->fragments, p->size_m / (2 * (double)p->spheres));
+    double longest = RAYLEIGH_SHARE * fragment_rayleigh_time(&job->fragments, smallest_radius(p));
+    enum scree_status status = p->clast.on ? check_clast(&p->clast, err) : SCREE_OK;
+    if (status)
+        return status;
     if (p->spheres == 3)
         return scree_fail(err, SCREE_INVALID, "params.spheres",
                           "params.spheres: 3 along an edge leave half a sphere; 2 or 4 are taken");

@@ -80,6 +80,15 @@ static const struct field fields[] = {
            "seed 002 section 4.1"),
     LENGTH(cell_height_m, 10, 0.005, "height of a cell; fitted so that bed and column together are whole cells",
            "seed 002 section 4.1"),
+    {.name = "cells_across",
+     .type = FIELD_INT,
+     AT(cells_across),
+     .min = 0,
+     .max = 10000,
+     .preset = 0,
+     .unit = "cells",
+     .doc = "across the channel; 0: of about cell_m. Profiles hardly differ across it, so that few do for most purposes",
+     .source = "seed 002 section 4.2"},
     {.name = "mu_wall",
      .type = FIELD_REAL,
      AT(mu_wall),
@@ -160,6 +169,8 @@ static void collapse_defaults(struct job_spec *job)
     job->time.step_s = 1.0 / 1200;
     job->record.basal_force.every_s = 1.0 / 1200;
     job->record.bulk.every_s = 1.0 / 60;
+    job->record.surface.on = true;
+    job->record.surface.every_s = 1.0 / 15;
     job->record.snapshots.every_s = 1.0 / 15;
     job->stop.when = STOP_REST;
     collapse_adopt(job);
@@ -168,7 +179,9 @@ static void collapse_defaults(struct job_spec *job)
 static struct job_cost collapse_cost(const struct job_spec *job)
 {
     const struct collapse_params *p = (const struct collapse_params *)(const void *)job->params;
-    double width = p->plane ? p->cell_m : p->width_m, cell = p->cell_m * p->cell_m * p->cell_height_m;
+    double width = p->plane ? p->cell_m : p->width_m;
+    double across = p->cells_across > 0 && !p->plane ? width / (double)p->cells_across : p->cell_m;
+    double cell = p->cell_m * across * p->cell_height_m;
     double volume = width * (p->bed_m * p->box_length_m + p->height_m * p->length_m);
     double each = p->plane ? (double)(p->continuum.points * p->continuum.points) : pow((double)p->continuum.points, 3);
     struct job_cost cost = {.moving = fmax(1, volume / cell * each), .steps = fmax(1, round(job->time.end_s / job->time.step_s))};

@@ -7,7 +7,7 @@
 
 #define AT(member) .offset = offsetof(struct collision_params, member)
 
-static const char *const partners[] = {"sphere", "fixed_sphere", "plane", NULL};
+static const char *const partners[] = {"sphere", "fixed_sphere", "plane", "wall", "mirror", NULL};
 
 static const struct field fields[] = {
     {.name = "partner",
@@ -15,8 +15,9 @@ static const struct field fields[] = {
      AT(partner),
      .preset = PARTNER_SPHERE,
      .unit = "",
-     .doc = "what grain 1 meets",
-     .source = "seed 000 S4.1",
+     .doc = "what grain 1 meets: a like sphere, one that is fixed, a plane of its own matter, a side wall of material.wall, or its "
+            "image in a plane of symmetry",
+     .source = "seed 000 S4.1, S4.4",
      .choices = partners},
     {.name = "speed_m_s",
      .type = FIELD_REAL,
@@ -109,9 +110,8 @@ static void collision_defaults(struct job_spec *job)
 
 static struct job_cost collision_cost(const struct job_spec *job)
 {
-    bool pair = params_of(job)->partner != PARTNER_PLANE;
     return (struct job_cost){.moving = params_of(job)->partner == PARTNER_SPHERE ? 2 : 1,
-                             .fixed = pair && params_of(job)->partner == PARTNER_FIXED_SPHERE ? 1 : 0,
+                             .fixed = params_of(job)->partner == PARTNER_FIXED_SPHERE ? 1 : 0,
                              .steps = fmax(1, round(job->time.end_s / job->time.step_s)),
                              .bytes = 1e6};
 }
@@ -131,8 +131,11 @@ static enum scree_status collision_check(const struct job_spec *job, struct scre
     struct job_spec as = *job; // the contact's own time scale: of the smaller grain
     double r1 = p->radius1_m > 0 ? p->radius1_m : job->material.radius_m;
     double r2 = p->radius2_m > 0 ? p->radius2_m : job->material.radius_m;
-    as.material.radius_m = p->partner == PARTNER_PLANE || r1 < r2 ? r1 : r2;
-    enum scree_status status = check_step(&as, p->speed_m_s, err);
+    double speed = p->partner == PARTNER_WALL || p->partner == PARTNER_MIRROR ? 2 * p->speed_m_s : p->speed_m_s;
+    if (p->partner == PARTNER_WALL)
+        as.material = material_as_wall(&job->material);
+    as.material.radius_m = p->partner >= PARTNER_PLANE || r1 < r2 ? r1 : r2;
+    enum scree_status status = check_step(&as, speed, err);
     if (!status)
         status = check_flow_only_in_chute(job, err);
     return status ? status : check_intervals(job, err);

@@ -41,16 +41,18 @@ static const struct field fields[] = {
      .type = FIELD_REAL,
      AT(mu),
      .min = 0,
-     .max = 10,
+     .max = 1,
      .preset = 0.44,
      .unit = "",
-     .doc = "friction coefficient; with mu(I) that at I = 0, with a hysteretic law that in flow",
+     .doc =
+         "friction coefficient; with mu(I) that at I = 0, with a hysteretic law that in flow. Above 1 the law's cone holds states "
+         "of tension: |Dev sigma| = mu p turns one principal stress in the plane of shear",
      .source = "seed 002 Table 1"},
     {.name = "mu_2",
      .type = FIELD_REAL,
      AT(mu_2),
      .min = 0,
-     .max = 10,
+     .max = 1,
      .preset = 0.64,
      .unit = "",
      .doc = "mu(I) at large I",
@@ -68,7 +70,7 @@ static const struct field fields[] = {
      .type = FIELD_REAL,
      AT(delta_mu),
      .min = 0,
-     .max = 10,
+     .max = 1,
      .preset = 0.16,
      .unit = "",
      .doc = "what rest adds to mu with a hysteretic law",
@@ -160,6 +162,10 @@ enum scree_status continuum_check(const struct job_spec *job, const struct conti
     }
     if (c->law == LAW_MU_I && c->mu_2 < c->mu)
         return scree_fail(err, SCREE_INVALID, "params.continuum.mu_2", "params.continuum.mu_2: mu(I) must not fall with I");
+    if ((c->law == LAW_HYSTERETIC || c->law == LAW_HYSTERETIC_STEP) && c->mu + c->delta_mu > 1)
+        return scree_fail(err, SCREE_INVALID, "params.continuum.delta_mu",
+                          "params.continuum.delta_mu: mu + delta_mu = %.3g at rest is above 1, where the law's cone holds tension",
+                          c->mu + c->delta_mu);
     if (job->scenario->cost(job).moving > SPEC_POINTS_MAX)
         return scree_fail(err, SCREE_INVALID, "params.continuum.points",
                           "params.continuum.points: %.3g material points are more than the %.3g that a world holds",

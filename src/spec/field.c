@@ -41,6 +41,9 @@ void field_defaults(const struct field_table *table, void *object)
             for (int a = 0; a < 3; a++)
                 ((double *)value)[a] = row->preset;
             break;
+        case FIELD_ROWS:
+            memset(value, 0, field_value_size(row));
+            break;
         case FIELD_ENUM:
             *(int *)value = (int)row->preset;
             break;
@@ -171,6 +174,16 @@ static enum scree_status check_row(const struct field *row, const void *value, c
             status = check_number(row, part, ((const double *)value)[a], err);
         }
         return status;
+    case FIELD_ROWS:
+        if (field_rows_count(value) < 0 || (size_t)field_rows_count(value) > row->size)
+            return scree_fail(err, SCREE_INVALID, path, "%s: %lld rows, of at most %zu", path, (long long)field_rows_count(value),
+                              row->size);
+        for (size_t k = 0; k < (size_t)field_rows_count(value) * row->columns && !status; k++) {
+            char part[SCREE_PATH_MAX];
+            snprintf(part, sizeof part, "%.200s[%zu][%zu]", path, k / row->columns, k % row->columns);
+            status = check_number(row, part, field_rows_numbers_const(value)[k], err);
+        }
+        return status;
     case FIELD_GROUP:
     case FIELD_SWITCH:
         return field_check(row->table, value, path, err);
@@ -201,8 +214,7 @@ enum scree_status field_check(const struct field_table *table, const void *objec
     return SCREE_OK;
 }
 
-/* Bytes of a plain value. */
-static size_t value_size(const struct field *row)
+size_t field_value_size(const struct field *row)
 {
     switch (row->type) {
     case FIELD_REAL:
@@ -211,6 +223,8 @@ static size_t value_size(const struct field *row)
         return sizeof(int64_t);
     case FIELD_VEC3:
         return 3 * sizeof(double);
+    case FIELD_ROWS:
+        return sizeof(int64_t) + row->size * row->columns * sizeof(double);
     case FIELD_ENUM:
         return sizeof(int);
     case FIELD_FLAGS:
@@ -228,7 +242,7 @@ static size_t value_size(const struct field *row)
 /* Of a group and a switch only what they are, not their parts. */
 static bool row_same(const struct field *row, const void *a, const void *b)
 {
-    return row->type == FIELD_TEXT ? strcmp(a, b) == 0 : memcmp(a, b, value_size(row)) == 0;
+    return row->type == FIELD_TEXT ? strcmp(a, b) == 0 : memcmp(a, b, field_value_size(row)) == 0;
 }
 
 bool field_same(const struct field_table *table, const void *a, const void *b)

@@ -20,6 +20,7 @@ enum field_type {
     FIELD_BOOL,  // bool
     FIELD_TEXT,  // char[size]; UTF-8 without control characters, at most size - 1 bytes
     FIELD_VEC3,  // double[3]; a JSON array of three numbers, each within [min, max]
+    FIELD_ROWS,  // struct of an int64_t count and double[size][columns]; a JSON array of at most `size` arrays of numbers
     FIELD_ENUM,  // int; a JSON string out of `choices`, stored as its index
     FIELD_FLAGS, // unsigned; a JSON array of distinct strings out of `choices`, stored as bits 1 << index
     FIELD_GROUP, // a nested struct described by `table`
@@ -32,8 +33,9 @@ struct field {
     const char *name; // the JSON key, with its unit: "slope_deg"
     enum field_type type;
     size_t offset;           // in the struct that the table describes
-    size_t size;             // FIELD_TEXT: bytes, with the terminating zero
-    double min, max;         // FIELD_REAL, _INT, _VEC3: the allowed closed range
+    size_t size;             // FIELD_TEXT: bytes, with the terminating zero; FIELD_ROWS: rows there is room for
+    size_t columns;          // FIELD_ROWS: numbers in a row
+    double min, max;         // FIELD_REAL, _INT, _VEC3, _ROWS: the allowed closed range
     double preset;           // FIELD_REAL, _INT, _BOOL, _VEC3 (each component), _ENUM (index), _FLAGS (bits), _SWITCH (on): default
     const char *preset_text; // FIELD_TEXT: default, NULL is ""
     const char *unit;        // as printed behind a value: "deg", "m", "Pa", "grain diameters", "" if none
@@ -44,6 +46,20 @@ struct field {
     bool steerable;                  // may be changed while the job runs
     bool aside;                      // changes no bit of what the job computes: titles, threads, priority
 };
+
+/* Of a FIELD_ROWS: how many rows there are, and their numbers, row by row. */
+static inline int64_t field_rows_count(const void *value)
+{
+    return *(const int64_t *)value;
+}
+static inline double *field_rows_numbers(void *value)
+{
+    return (double *)(void *)((int64_t *)value + 1);
+}
+static inline const double *field_rows_numbers_const(const void *value)
+{
+    return (const double *)(const void *)((const int64_t *)value + 1);
+}
 
 struct field_table {
     const char *name; // of the struct, for messages: "material"
@@ -66,6 +82,9 @@ const char *field_nearest(const struct field_table *table, const char *name);
 
 /* The same over a NULL-terminated list of words. */
 const char *word_nearest(const char *const *words, const char *word);
+
+/* Bytes of a plain value; 0 of texts, and of groups, whose parts are values of their own. */
+size_t field_value_size(const struct field *row);
 
 /* Checks every value of *object against its row's range and type.
  * `path` prefixes the names in the message ("params"). The message has the form

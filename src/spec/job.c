@@ -64,6 +64,7 @@ static const struct field series_fields[] = {
 static const struct field bulk_fields[] = {EVERY(1e-3, "interval between samples")};
 static const struct field snapshot_fields[] = {EVERY(1e-2, "interval between frames")};
 static const struct field flow_fields[] = {EVERY(0.1, "interval between samples")};
+static const struct field surface_fields[] = {EVERY(1.0 / 15, "interval between frames")};
 _Static_assert(offsetof(struct record_series, every_s) == sizeof(double) &&
                    offsetof(struct record_every, every_s) == sizeof(double),
                "EVERY takes the interval to follow the switch");
@@ -74,6 +75,7 @@ static const struct field_table bulk_table = {"bulk", "", bulk_fields, COUNT(bul
 static const struct field_table snapshot_table = {"snapshots", "", snapshot_fields, COUNT(snapshot_fields),
                                                   sizeof(struct record_every)};
 static const struct field_table flow_table = {"flow", "", flow_fields, COUNT(flow_fields), sizeof(struct record_every)};
+static const struct field_table surface_table = {"surface", "", surface_fields, COUNT(surface_fields), sizeof(struct record_every)};
 static const struct field_table contact_table = {"contact", "", NULL, 0, sizeof(struct record_every)};
 
 static const struct field profiles_fields[] = {
@@ -155,6 +157,18 @@ static const struct field spectrum_fields[] = {
      .doc = "upper end of that fit",
      .source = "protocols 1.10"},
 };
+static const struct field rolling_fields[] = {
+    {.name = "every_s",
+     .type = FIELD_REAL,
+     .offset = offsetof(struct record_every, every_s),
+     .min = 1e-12,
+     .max = 1e6,
+     .preset = 1e-3,
+     .unit = "s",
+     .doc = "interval between samples, which are fitted",
+     .source = ""},
+};
+static const struct field_table rolling_table = {"rolling", "", rolling_fields, COUNT(rolling_fields), sizeof(struct record_every)};
 static const struct field connectivity_fields[] = {EVERY(1e-3, "interval between samples")};
 static const struct field heap_fields[] = {EVERY(5e-3, "interval between samples")};
 static const struct field forces_fields[] = {EVERY(1e-2, "interval between frames")};
@@ -210,6 +224,14 @@ static const struct field record_fields[] = {
      .doc = "scenario chute: place, transverse agitation and energy lost of the flow's central 5 cm",
      .source = "seed 003 3.4",
      .table = &flow_table},
+    {.name = "surface",
+     .type = FIELD_SWITCH,
+     .offset = offsetof(struct record_spec, surface),
+     .preset = 0,
+     .unit = "",
+     .doc = "continuum: free surface and line between static and flowing along the channel, a frame an instant",
+     .source = "seed 002 section 4.2",
+     .table = &surface_table},
     {.name = "contact",
      .type = FIELD_SWITCH,
      .offset = offsetof(struct record_spec, contact),
@@ -218,6 +240,14 @@ static const struct field record_fields[] = {
      .doc = "scenario collision: overlap and forces of the one contact, at every step",
      .source = "",
      .table = &contact_table},
+    {.name = "rolling",
+     .type = FIELD_SWITCH,
+     .offset = offsetof(struct record_spec, rolling),
+     .preset = 0,
+     .unit = "",
+     .doc = "scenario rolling: place, velocity and spin of the sphere, and the fit of how it rocks",
+     .source = "seed 000 S4.2",
+     .table = &rolling_table},
     {.name = "profiles",
      .type = FIELD_SWITCH,
      .offset = offsetof(struct record_spec, profiles),
@@ -287,6 +317,14 @@ static const struct field job_fields[] = {
      .doc = "for people",
      .source = "",
      .aside = true},
+    {.name = "paper",
+     .type = FIELD_TEXT,
+     .offset = offsetof(struct job_spec, paper),
+     .size = sizeof(((struct job_spec *)0)->paper),
+     .unit = "",
+     .doc = SPEC_PAPER_DOC,
+     .source = "",
+     .aside = true},
     {.name = "threads",
      .type = FIELD_INT,
      .offset = offsetof(struct job_spec, threads),
@@ -345,17 +383,23 @@ void job_defaults(struct job_spec *job, const struct scenario_fields *scenario)
         scenario->defaults(job);
 }
 
-/* Records that only worlds of grains have. */
+/* Records that only worlds of one kind have, and one that only its own scenario has. */
 static enum scree_status check_kind(const struct job_spec *job, struct scree_error *err)
 {
     static const char *const of_grains[] = {"profiles", "collisions", "connectivity", "spectrum", "forces"};
-    for (size_t k = 0; k < COUNT(of_grains) && job->scenario->kind != SCENARIO_DEM; k++)
+    if (job->record.rolling.on && strcmp(job->scenario->name, "rolling") != 0)
+        return scree_fail(err, SCREE_INVALID, "record.rolling",
+                          "record.rolling: is for scenario rolling, of one sphere on a plane");
+    for (size_t k = 0; k < COUNT(of_grains) && job->scenario->kind == SCENARIO_MPM; k++)
         if (record_find(job, of_grains[k]).on) {
             char path[64];
             snprintf(path, sizeof path, "record.%s", of_grains[k]);
             return scree_fail(err, SCREE_INVALID, path, "%s: is for worlds of grains, and scenario %s is a continuum", path,
                               job->scenario->name);
         }
+    if (job->record.surface.on && job->scenario->kind != SCENARIO_MPM)
+        return scree_fail(err, SCREE_INVALID, "record.surface", "record.surface: is for continua, and scenario %s is none",
+                          job->scenario->name);
     if (job->record.heap.on && scenario_material(job->scenario)->table != &rigid_table)
         return scree_fail(err, SCREE_INVALID, "record.heap", "record.heap: is for worlds of rigid bodies, and scenario %s has none",
                           job->scenario->name);

@@ -6,7 +6,9 @@
 #include "spec/spec.h"
 
 extern const struct scenario_fields scenario_incline_fields, scenario_collision_fields, scenario_chute_fields,
-    scenario_collapse_fields, scenario_tilt_fields, scenario_gas_fields, scenario_settle_fields, scenario_dam_break_fields;
+    scenario_collapse_fields, scenario_tilt_fields, scenario_layer_fields, scenario_gas_fields, scenario_settle_fields,
+    scenario_dam_break_fields, scenario_rolling_fields, scenario_damping_fields, scenario_plastic_yield_fields,
+    scenario_contact_parameters_fields, scenario_channel_fields;
 
 /* Refuses a time step too long for the material at impacts of `speed`, m/s. */
 enum scree_status check_step(const struct job_spec *job, double speed, struct scree_error *err);
@@ -24,6 +26,11 @@ void rigid_defaults(struct job_spec *job);
 struct job_cost rigid_cost(const struct job_spec *job, double bodies);
 enum scree_status rigid_check(const struct job_spec *job, const struct body_spec *body, double length, double width,
                               const char *path, struct scree_error *err);
+
+/* What calculations share: no world, hence no records, and a single step. */
+void calculation_defaults(struct job_spec *job);
+struct job_cost calculation_cost(const struct job_spec *job);
+enum scree_status calculation_check(const struct job_spec *job, struct scree_error *err);
 
 /* Refuses record.flow. */
 enum scree_status check_flow_only_in_chute(const struct job_spec *job, struct scree_error *err);

@@ -12,6 +12,21 @@
 
 /* ---- material: glass-like spheres of seed 000 (law "hertz-mindlin-rolling") ---- */
 
+/* What beads of that law may touch. Floors are of the beads' own matter. */
+enum bead_partner { BEAD_BEAD, BEAD_WALL, BEAD_MIRROR };
+struct material_wall { // a side wall of another matter (S4.4)
+    int preset;
+    double young_Pa, poisson; // E_w, nu_w
+    double beta_s;            // beta_w, in place of beta
+    double mu;                // mu_w, in place of mu_t
+};
+extern const struct field_table material_wall_table;
+#define MATERIAL_PMMA                                                                                                              \
+    {                                                                                                                              \
+        .young_Pa = 3.3e9, .poisson = 0.4, .beta_s = 200e-9, .mu = 0.10510423526567647                                             \
+    } // mu_w: tan 6 deg
+extern const struct material_wall material_pmma;
+
 struct material_spec {
     char preset[48];      // name of the published material that the other values start from
     double radius_m;      // median radius
@@ -25,6 +40,7 @@ struct material_spec {
     double beta_r_s;       // rolling damping (eq. 24)
     double mu_r;           // rolling friction (eq. 25)
     double torsion_factor; // k_n = factor * G * a^3 (eq. 14): 16/3 as printed, 8/3 for two like bodies in series
+    struct material_wall wall;
 };
 extern const struct field_table material_table;
 
@@ -34,7 +50,7 @@ struct material_kind {
     const char *law; // its name
     const struct field_table *table;
 };
-extern const struct material_kind material_beads, material_fragments, material_rigid;
+extern const struct material_kind material_beads, material_walls, material_fragments, material_rigid;
 
 /* A published material: its values and what a reader must know about them. */
 struct material_preset {
@@ -59,6 +75,10 @@ double material_contact_time(const struct material_spec *m, double speed);
  * grains that meet at `speed` is still integrated stably, s: see material.c for
  * the bound and its derivation. */
 double material_stable_step(const struct material_spec *m, double speed);
+/* A modulus of bead and wall together (eq. 33). */
+double material_wall_mean(double bead, double wall);
+/* Beads that meet each other at 2 v just as these meet their side wall at v: for the two functions above. */
+struct material_spec material_as_wall(const struct material_spec *m);
 
 /* ---- material: angular fragments of seed 003 (law "hertz-mindlin-tsuji") ---- */
 
@@ -179,8 +199,10 @@ struct record_spec {
     struct record_every energy;       // ledger: gravity's work, kinetic, elastic, dissipated
     struct record_every snapshots;    // every grain's state
     struct record_every flow;         // scenario chute: where the flow is, its agitation and losses
+    struct record_every surface;      // continuum: free surface and static line along x
     struct record_every heap;         // rigid bodies: speeds, contacts, fabric, kind of collapse
     struct record_every contact;      // scenario collision: overlap and forces of the one contact
+    struct record_every rolling;      // scenario rolling: place, velocity and spin of the sphere
     struct record_profiles profiles;  // by height: phi, u, T, impacts, share joined to the base
     struct record_log collisions;     // every contact that forms
     struct record_every connectivity; // grains that chains of contacts join to the base
@@ -192,6 +214,13 @@ struct record_spec {
 
 enum { SPEC_PARAMS_MAX = 2560 };
 
+/* What the paper says, to be printed beside what came out. "{restitution}" in it stands for that number of a job's
+ * summary, "{answer}" for what a search found. */
+enum { SPEC_PAPER_MAX = 384 };
+#define SPEC_PAPER_DOC                                                                                                             \
+    "what the paper says, printed beside the result: \"published 0.97, here {restitution}\", where {...} is a number of the "      \
+    "summary, or a search's {answer}"
+
 /* What a world takes in memory, bytes a grain, lists and histories at rest included (measured: src/dem/README.md). */
 #define SPEC_BYTES_PER_GRAIN 1000.0
 /* Grains in one world: rows are numbered in 25 bits. */
@@ -201,6 +230,7 @@ struct job_spec {
     const struct scenario_fields *scenario; // never NULL once decoded
     int64_t seed;
     char title[128];
+    char paper[SPEC_PAPER_MAX];
     int64_t threads;
     int64_t priority;
     _Alignas(16) unsigned char params[SPEC_PARAMS_MAX]; // the scenario's own struct
@@ -218,7 +248,7 @@ struct job_spec {
  * more than a table: protocol/job_json.c takes them. */
 extern const struct field_table job_table;
 
-enum scenario_kind { SCENARIO_DEM, SCENARIO_MPM };
+enum scenario_kind { SCENARIO_DEM, SCENARIO_MPM, SCENARIO_CALCULATION };
 
 /* A named set-up as the user sees it. What it does is in src/scenario/. */
 struct scenario_fields {
@@ -251,14 +281,20 @@ const struct material_kind *scenario_material(const struct scenario_fields *scen
 
 /* ---- params of each scenario ---- */
 
-struct incline_params { // seed 000: steady flow down a rough incline, periodic in x and y
+struct incline_params { // seed 000: steady flow down a rough slope, periodic in x; in y, too, or in scenario channel between sides
     double slope_deg;
     double gravity_m_s2;
     int64_t nx, ny, nz; // in grain diameters; nx * ny * nz grains flow
     int64_t base_seed;  // of the fixed base's realisation
 };
 
-enum collision_partner { PARTNER_SPHERE, PARTNER_FIXED_SPHERE, PARTNER_PLANE };
+enum collision_partner {
+    PARTNER_SPHERE,
+    PARTNER_FIXED_SPHERE,
+    PARTNER_PLANE,
+    PARTNER_WALL,
+    PARTNER_MIRROR
+};                        // planes from PLANE on
 struct collision_params { // one contact: grain 1 meets a sphere or a plane along z
     int partner;
     double speed_m_s;            // closing speed along the normal
@@ -267,6 +303,34 @@ struct collision_params { // one contact: grain 1 meets a sphere or a plane alon
     double tangential_m_s[3];    // of grain 1, relative, in the plane of contact (its z must be 0)
     double spin1_rad_s[3], spin2_rad_s[3];
     double gravity_m_s2[3];
+};
+
+enum { ROLLING_SAMPLES_MAX = 1 << 20 };
+struct rolling_params { // a sphere on a plane that may be tilted
+    double slope_deg;
+    double gravity_m_s2;
+    double speed_m_s; // down the slope at the start, without slip
+    double length_m;  // of the plane
+};
+
+enum damping_length { DAMPING_FREE, DAMPING_PUBLISHED, DAMPING_PRINTED };
+struct damping_params { // a calculation: beta from a restitution
+    double restitution, speed_m_s;
+    int length;
+};
+
+struct plastic_yield_params { // a calculation: the yield threshold from a restitution
+    double restitution, speed_m_s;
+    double at_m_s;
+};
+
+enum contact_partner { CONTACT_LIKE, CONTACT_WALL };
+struct contact_parameters_params { // a calculation: what the linear spring and dashpot takes
+    int partner;
+    double mass_kg, radius_m, inertia_kg_m2; // 0: a sphere's
+    double overlap_m, speed_m_s;
+    double stiffness; // 0: from overlap and speed, N/m
+    double restitution, restitution_t, rolling_friction, steps_per_contact;
 };
 
 enum gas_box { GAS_PERIODIC, GAS_WALLED };
@@ -304,6 +368,7 @@ struct collapse_params { // seed 002, section 4: a column on an erodible bed beh
     double bed_m, box_length_m, box_height_m;
     bool plane;
     double cell_m, cell_height_m;
+    int64_t cells_across; // 0: as cell_m says
     double mu_wall, mu_gate, gate_speed_m_s, gate_tau_s, gate_wait_s;
     struct continuum_spec continuum;
 };
@@ -317,6 +382,33 @@ struct tilt_params { // seed 002, section 2.4: a bed in a box that is tilted ste
     struct continuum_spec continuum;
 };
 
+struct layer_params { // an endless layer on a slope, as a continuum
+    double slope_deg;
+    double gravity_m_s2;
+    double depth_m;
+    int64_t cells; // through the depth
+    struct continuum_spec continuum;
+};
+
+/* A clast of the user's own: what touches, and what it weighs by a closed convex polyhedron of triangles or in numbers. */
+enum { CLAST_SPHERES = 32, CLAST_VERTICES = 16, CLAST_FACES = 2 * CLAST_VERTICES - 4 };
+struct clast_spec {
+    bool on;
+    struct {
+        int64_t count;
+        double row[CLAST_SPHERES][4]; // x, y, z, radius, m
+    } spheres;
+    struct {
+        int64_t count;
+        double row[CLAST_VERTICES][3]; // m
+    } vertices;
+    struct {
+        int64_t count;
+        double row[CLAST_FACES][3]; // numbers of vertices
+    } faces;
+    double mass_kg, centre_m[3], moments_kg_m2[3], products_kg_m2[3]; // without faces
+};
+
 enum chute_accelerator { ACCELERATOR_CHUTE, ACCELERATOR_GATE };
 struct chute_params { // seed 003: angular fragments down a curved chute
     double mass_g, size_m;
@@ -328,6 +420,7 @@ struct chute_params { // seed 003: angular fragments down a curved chute
     double gate_m_s;            // speed at which the gate slides off; 0: it vanishes at the start
     double gravity_m_s2;
     double floor_m, width_m, side_deg, guard_m, run_m, gate_m, flatness; // geometry; flatness in sizes
+    struct clast_spec clast;
 };
 
 struct settle_params { // seed 001: bodies poured into a box come to rest

@@ -15,6 +15,11 @@
         .name = "title", .type = FIELD_TEXT, AT(title), .size = sizeof(((struct study_spec *)0)->title), .unit = "",               \
         .doc = "for people", .source = ""                                                                                          \
     }
+#define PAPER                                                                                                                      \
+    {                                                                                                                              \
+        .name = "paper", .type = FIELD_TEXT, AT(paper), .size = sizeof(((struct study_spec *)0)->paper), .unit = "",               \
+        .doc = SPEC_PAPER_DOC, .source = ""                                                                                        \
+    }
 #define REPLICAS(what)                                                                                                             \
     {                                                                                                                              \
         .name = "replicas", .type = FIELD_INT, AT(replicas), .min = 1, .max = STUDY_REPLICAS_MAX, .preset = 1, .unit = "",         \
@@ -42,6 +47,7 @@
 
 static const struct field sweep_fields[] = {
     TITLE,
+    PAPER,
     REPLICAS("trials of every point, with seed, seed + 1, ..."),
     AT_ONCE,
 };
@@ -50,6 +56,7 @@ static const char *const verdict_words[] = {"rest", "steady", "accelerating", NU
 static const char *const undecided_words[] = {"report", "raise", "lower", NULL};
 static const struct field bisect_fields[] = {
     TITLE,
+    PAPER,
     REPLICAS("searches, each with seeds of its own: their spread is that of the answer"),
     AT_ONCE,
     OVER,
@@ -85,6 +92,7 @@ static const struct field bisect_fields[] = {
 
 static const struct field root_fields[] = {
     TITLE,
+    PAPER,
     REPLICAS("searches, each with seeds of its own: their spread is that of the answer"),
     AT_ONCE,
     OVER,

@@ -20,6 +20,7 @@ enum { STUDY_REPLICAS_MAX = 64, STUDY_AT_ONCE_MAX = 256 };
 struct study_spec {
     int kind; // enum study_kind
     char title[128];
+    char paper[SPEC_PAPER_MAX];
     int64_t replicas; // of every point (sweep), or whole searches, each with seeds of its own
     int64_t at_once;  // trials that may run or wait in the daemon's queue at one time; 0: as the daemon has workers
     /* Searches. */

@@ -72,6 +72,8 @@ static void tilt_defaults(struct job_spec *job)
     job->time.end_s = 12.5;
     job->record.basal_force.every_s = 1e-3;
     job->record.bulk.every_s = 0.05;
+    job->record.surface.on = true;
+    job->record.surface.every_s = 0.5;
     job->record.snapshots.every_s = 0.5;
     job->stop.when = 0;
 }

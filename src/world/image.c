@@ -21,7 +21,7 @@ size_t world_array_size(enum world_array_type type)
 /* What a world keeps beside body and measurements. */
 struct world_head {
     uint64_t step, stopped;
-    struct bulk last;
+    struct bulk last, here;
     double start_energy;
     struct verdict verdict;
 };
@@ -112,6 +112,7 @@ enum scree_status world_image_take(const struct scree_world *w, struct world_ima
     const struct world_head head = {.step = w->step,
                                     .stopped = context->stop,
                                     .last = context->last,
+                                    .here = context->here,
                                     .start_energy = context->start_energy,
                                     .verdict = context->verdict};
     memset(image, 0, sizeof *image);
@@ -226,6 +227,7 @@ static enum scree_status restore_head(struct scree_world *w, const struct world_
     w->step = head.step;
     context->stop = head.stopped != 0;
     context->last = head.last;
+    context->here = head.here;
     context->start_energy = head.start_energy;
     context->verdict = head.verdict;
     context->verdict.evidence[sizeof context->verdict.evidence - 1] = 0;

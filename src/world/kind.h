@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a world's body can be: grains (kind_dem.c), a continuum, rigid bodies. The world drives
+/* What a world's body can be: grains (kind_dem.c), a continuum, rigid bodies, or nothing but a calculation. The world drives
  * it through this table alone, so that neither engine knows of the other and
  * world.c of none. One kind = one file = one line in kinds.c. */
 #ifndef SCREE_WORLD_KIND_H
@@ -43,6 +43,9 @@ struct world_kind {
     /* Contacts that formed since the last call, in the order of steps; valid until the next. NULL: knows none. */
     size_t (*take_formations)(void *body, const struct view_formation **formations);
 
+    /* Numbers for the summary beside those of measurements; returns how many, at most `room`. NULL: none. */
+    size_t (*numbers)(const void *body, struct scree_number *out, size_t room);
+
     /* Takes over what differs between the jobs; true when forces change. */
     bool (*steer)(void *body, const struct job_spec *from, const struct job_spec *to);
 
@@ -52,7 +55,7 @@ struct world_kind {
                               struct scree_error *err);
 };
 
-extern const struct world_kind world_kind_dem, world_kind_mpm, world_kind_convex;
+extern const struct world_kind world_kind_dem, world_kind_mpm, world_kind_convex, world_kind_calculation;
 
 /* Whose scenario the job's is, or NULL. */
 const struct world_kind *world_kind_find(const struct job_spec *job);

@@ -126,7 +126,8 @@ static bool steer(void *body, const struct job_spec *from, const struct job_spec
     double before[3], after[3];
     gravity(from, before);
     gravity(to, after);
-    bool pulled = memcmp(before, after, sizeof before) != 0, rubbed = from->material.mu_t != to->material.mu_t;
+    bool pulled = memcmp(before, after, sizeof before) != 0;
+    bool rubbed = from->material.mu_t != to->material.mu_t || from->material.wall.mu != to->material.wall.mu;
     if (pulled)
         dem_set_gravity(dem, after);
     if (rubbed)

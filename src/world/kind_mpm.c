@@ -38,6 +38,7 @@ static enum scree_status site(const struct job_spec *job, struct measure_site *o
                                  .region = {-INFINITY, INFINITY},
                                  .bed = plan.bed,
                                  .gate_x = plan.gate_x,
+                                 .height = plan.height,
                                  .gate_s = plan.start_s,
                                  .gate = s->body_count > 0};
     return SCREE_OK;

@@ -2,7 +2,7 @@
 /* The list of kinds of worlds; one line each. */
 #include "world/kind.h"
 
-static const struct world_kind *const all[] = {&world_kind_dem, &world_kind_mpm, &world_kind_convex};
+static const struct world_kind *const all[] = {&world_kind_dem, &world_kind_mpm, &world_kind_convex, &world_kind_calculation};
 
 const struct world_kind *world_kind_find(const struct job_spec *job)
 {

@@ -79,11 +79,22 @@ void world_look(struct scree_world *w)
     w->context.fixed = counts.fixed;
 }
 
+static void bulk_sums(struct scree_world *w, const struct view *view)
+{
+    const double *region = w->context.site.region;
+    bulk_measure(view, &w->context.last);
+    w->context.here = w->context.last;
+    if (isfinite(region[0]) || isfinite(region[1]))
+        bulk_measure_within(view, region, &w->context.here);
+}
+
 static enum scree_status take_view(struct scree_world *w, struct measure_now *now, struct scree_error *err)
 {
     enum scree_status status = w->kind->view(w->body, now, err);
     if (!status && now->grains)
-        bulk_measure(now->grains, &w->context.last);
+        bulk_sums(w, now->grains);
+    if (!status && now->points)
+        w->context.last = (struct bulk){.mass = now->points->density * now->points->volume};
     return status;
 }
 
@@ -279,7 +290,8 @@ struct scree_progress scree_world_progress(const struct scree_world *w)
                                    .fixed = counts.fixed,
                                    .finished = finished(w),
                                    .verdict = w->context.verdict.current,
-                                   .evidence = w->context.site.area > 0 ? w->context.verdict.evidence : "",
+                                   .evidence =
+                                       w->context.site.area > 0 || w->context.verdict.current ? w->context.verdict.evidence : "",
                                    .isa = counts.isa,
                                    .threads = w->making.threads};
 }
@@ -290,6 +302,8 @@ size_t scree_world_summary(const struct scree_world *w, struct scree_number numb
     size_t count = 0;
     if (w->step == 0 || (w->making.needs & MEASURE_END_VIEW && w->kind->view(w->body, &now, NULL)))
         return 0;
+    if (w->kind->numbers)
+        count = w->kind->numbers(w->body, numbers, SCREE_SUMMARY_MAX);
     for (size_t k = 0; k < w->measured_count; k++) {
         const struct measured *m = &w->measured[k];
         if (m->what->numbers)

@@ -7,6 +7,7 @@ import os
 import random
 import signal
 import sqlite3
+import struct
 import tempfile
 import time
 import unittest
@@ -15,6 +16,18 @@ from model import SLOW, Session, tiny
 from raw import Refused
 
 ROUNDS = 40 if SLOW else 2
+
+
+def damaged(row, rng):
+    """(column, value): each byte of a row of the log with one bit changed, its payload cut short."""
+    for column, code in (("t0", "<d"), ("dt", "<d"), ("rows", "<q"), ("crc", "<q"), ("hash", "<q"), ("payload", None)):
+        value = bytearray(struct.pack(code, row[column]) if code else row[column])
+        for place in range(len(value)):
+            value[place] ^= (bit := 1 << rng.randrange(8))
+            yield column, struct.unpack(code, value)[0] if code else bytes(value)
+            value[place] ^= bit
+    for length in range(len(row["payload"])):
+        yield "payload", row["payload"][:length]
 
 
 class Damage(unittest.TestCase):
@@ -74,7 +87,7 @@ class Damage(unittest.TestCase):
     def change_row(self, job, seq, column="payload"):
         with sqlite3.connect(self.path(job, "streams.db")[0]) as database:
             value, = database.execute(f"SELECT {column} FROM chunks WHERE stream = 'basal_force' AND seq = ?", (seq,)).fetchone()
-            changed = bytes((value[0] ^ 1,)) + value[1:] if column == "payload" else value + 1e-6
+            changed = bytes((value[0] ^ 1,)) + value[1:] if column == "payload" else value + 1e-6 if column in ("t0", "dt") else value ^ 1
             database.execute(f"UPDATE chunks SET {column} = ? WHERE stream = 'basal_force' AND seq = ?", (changed, seq))
         database.close()
 
@@ -94,18 +107,28 @@ class Damage(unittest.TestCase):
         self.session.judge(replays=1)
 
     def test_damaged_row_of_an_ended_job_is_refused_by_name(self):
-        job = self.session.submit(tiny())
+        """Every byte of a row changed in one bit, and its payload cut short by every number of bytes."""
+        rng = random.Random(3)
+        job = self.session.submit(tiny(record={"basal_force": {"every_s": 1e-4, "chunk": 16}}, end_s=0.02))
         self.session.daemon.control.wait(job)
-        self.session.daemon.stop()
-        self.change_row(job, 7)
-        self.session.start()
         streams = self.session.daemon.streams()
         self.addCleanup(streams.close)
-        with self.assertRaises(Refused) as refused:
-            streams.read_all("k", job, "basal_force")
-        self.assertEqual(refused.exception.code, "corrupt")
-        self.assertIn("chunk 7 of basal_force", refused.exception.message)
+        path, = self.path(job, "streams.db")
+        with sqlite3.connect(path, isolation_level=None) as database:
+            where = "WHERE stream = 'basal_force' AND seq = 7"
+            columns = ("t0", "dt", "rows", "crc", "hash", "payload")
+            row = dict(zip(columns, database.execute(f"SELECT {', '.join(columns)} FROM chunks {where}").fetchone(), strict=True))
+            for column, value in damaged(row, rng):
+                database.execute(f"UPDATE chunks SET {column} = ? {where}", (value,))
+                with self.assertRaises(Refused) as refused:
+                    streams.read_all("k", job, "basal_force", 7)
+                self.assertEqual(refused.exception.code, "corrupt", (column, value))
+                self.assertIn("chunk 7 of basal_force", refused.exception.message)
+                database.execute(f"UPDATE chunks SET {column} = ? {where}", (row[column],))
+            database.execute(f"UPDATE chunks SET payload = x'00' {where}")
         self.assertEqual(len(streams.read_all("later", job, "basal_force", 8)[0]), self.last_row(job) - 7)
+        with self.assertRaises(Refused):
+            streams.read_all("all", job, "basal_force")
 
     def test_lost_row_is_no_end_of_the_stream(self):
         job = self.session.submit(tiny())

@@ -13,6 +13,7 @@
 
 #include "measure/bulk.h"
 #include "measure/mobility.h"
+#include "measure/outline.h"
 #include "scenario/fragments.h"
 #include "scenario/scenario.h"
 
@@ -140,6 +141,94 @@ static void impossible_flows_are_refused(void **state)
     refused(&job, "params.mass_g", "are not one fragment");
 }
 
+/* ---- clasts of the user's own ---- */
+
+/* A cube of edge a by its triangles, with the eight spheres of the published one in it. */
+static void own_cube(struct job_spec *job, double a)
+{
+    static const double faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                                        {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+    struct clast_spec *c = &params(job)->clast;
+    c->on = true;
+    c->spheres.count = c->vertices.count = 8;
+    c->faces.count = 12;
+    memcpy(c->faces.row, faces, sizeof faces);
+    for (int k = 0; k < 8; k++) {
+        for (int i = 0; i < 3; i++) {
+            double side = k >> i & 1 ? 0.5 : -0.5;
+            c->vertices.row[k][i] = side * a;
+            c->spheres.row[k][i] = 0.5 * side * a;
+        }
+        c->spheres.row[k][3] = 0.25 * a * (1 - 1e-9);
+    }
+}
+
+static struct clump own_shape(struct job_spec *job, size_t *count)
+{
+    struct clump shapes[FRAGMENT_SHAPES];
+    struct dem_body *bodies = NULL;
+    struct scree_error error = {0};
+    must(job_check(job, 0, &error), &error);
+    must(fragments_fill(job, shapes, &bodies, count, &error), &error);
+    free(bodies);
+    return shapes[0];
+}
+
+/* By polyhedron or in numbers: what comes out is the cube of the paper. */
+static void a_clast_of_ones_own_can_be_the_published_cube(void **state)
+{
+    (void)state;
+    const double a = 3e-3, mass = 2700 * a * a * a, moment = mass * a * a / 6;
+    struct job_spec job = chute_job(9, a);
+    size_t count;
+    own_cube(&job, a);
+    struct clump by_faces = own_shape(&job, &count);
+    assert_int_equal(count, (int)round(9e-3 / mass));
+    struct clast_spec *c = &params(&job)->clast;
+    c->faces.count = 0;
+    c->mass_kg = mass;
+    for (int i = 0; i < 3; i++)
+        c->moments_kg_m2[i] = moment;
+    struct clump by_numbers = own_shape(&job, &count);
+    assert_int_equal(count, (int)round(9e-3 / mass));
+    assert_true(fabs(by_faces.mass / mass - 1) < 1e-12 && by_numbers.mass == mass);
+    assert_true(fabs(by_faces.volume / by_numbers.volume - 1) < 1e-12 && by_faces.spheres == 8);
+    for (int i = 0; i < 3; i++)
+        assert_true(fabs(by_faces.inertia[i] / moment - 1) < 1e-12 && fabs(by_numbers.inertia[i] / moment - 1) < 1e-12);
+    struct dem *dem = NULL;
+    struct scree_error error = {0};
+    must(scenario_implementation("chute")->build(&job, NULL, 1, &dem, &error), &error);
+    must(dem_advance(dem, 100, &error), &error);
+    dem_free(dem);
+}
+
+static void impossible_clasts_are_refused(void **state)
+{
+    (void)state;
+    struct job_spec job = chute_job(9, 3e-3);
+    own_cube(&job, 3e-3);
+    struct clast_spec *c = &params(&job)->clast, whole = *c;
+    c->spheres.row[5][0] += 1e-5;
+    refused(&job, "params.clast", "params.clast: sphere 5 leaves its polyhedron through triangle 10 by 1e-05 m");
+    *c = whole;
+    c->faces.count = 11;
+    refused(&job, "params.clast", "params.clast: the mesh is open: triangle");
+    *c = whole;
+    c->faces.row[4][1] = 8;
+    refused(&job, "params.clast.faces", "triangle 4 has no such vertex");
+    *c = whole;
+    c->mass_kg = 1e-5;
+    refused(&job, "params.clast.mass_kg", "faces give the mass already");
+    c->faces.count = 0;
+    refused(&job, "params.clast", "moments of inertia must be positive: one is 0");
+    c->mass_kg = 0;
+    refused(&job, "params.clast", "mass must be positive, not 0");
+    c->spheres.row[2][3] = 0;
+    refused(&job, "params.clast.spheres", "sphere 2 has no radius");
+    c->spheres.count = 0;
+    refused(&job, "params.clast.spheres", "needs a sphere");
+}
+
 /* ---- measurements on views made by hand ---- */
 
 enum { ROW = 40 };
@@ -257,6 +346,65 @@ static void agitation_and_losses_of_the_central_part(void **state)
     assert_true(fabs(row[8] - (9.81 * drop / inside - row[5])) < 1e-12);
 }
 
+/* S3-08: the deposit by centimetre, the flow by height: two layers, the upper faster and without scatter across. */
+static void slices_of_the_deposit_and_layers_of_the_flow(void **state)
+{
+    (void)state;
+    static struct scene s;
+    struct mobility d;
+    struct scree_error error;
+    uint8_t in_flow[ROW + 5];
+    double(*outline)[OUTLINE_COLUMNS], layers[LAYERS_MAX][LAYER_COLUMNS], bodies = 0, mass = 0, left = 0, right = 0;
+    size_t slices;
+    scene_make(&s);
+    for (int k = 0; k < ROW + 5; k++) { // every other one lies 0.5 mm, the rest 1.5 mm above the floor
+        double x = s.body[k].position[0], slope = chute_slope(&s.site.chute, x), lift = k % 2 ? 1.5e-3 : 0.5e-3;
+        s.body[k].position[2] = chute_z(&s.site.chute, x) + lift / cos(slope);
+        s.body[k].velocity[0] = (k % 2 ? 2 : 1) * cos(slope);
+        s.body[k].velocity[2] = -(k % 2 ? 2 : 1) * sin(slope);
+        s.body[k].velocity[1] = k % 2 ? 0.1 : k % 4 ? 0.2 : -0.2;
+        s.body[k].position[1] = k == 3 ? 0.01 : k == 4 ? -0.02 : 0;
+    }
+    must(mobility_measure(&s.view, &s.site, &d, in_flow, &error), &error);
+    must(outline_deposit(&s.view, &s.site, in_flow, &outline, &slices, &error), &error);
+    assert_true(fabs((double)slices * 0.01 - (d.front - d.rear)) < 0.02);
+    for (size_t k = 0; k < slices; k++) {
+        bodies += outline[k][1];
+        mass += outline[k][2];
+        left = fmin(left, outline[k][4]);
+        right = fmax(right, outline[k][5]);
+        assert_true(outline[k][0] > d.rear - 0.01 && outline[k][0] < d.front + 0.01);
+        assert_true(outline[k][1] < 2 || fabs(outline[k][3] - 1.5e-3) < 1e-12);
+    }
+    assert_true(bodies == ROW && fabs(mass - 1e-3 * ROW) < 1e-12);
+    assert_true(left == -0.02 && right == 0.01 && outline[slices - 1][4] == 0);
+    free(outline);
+    assert_int_equal(outline_layers(&s.view, &s.site, chute_arc(&s.site.chute, s.body[20].position[0]), layers), 2);
+    for (int k = 0; k < 2; k++) {
+        assert_true(fabs(layers[k][0] - (k + 0.5) * 1e-3) < 1e-15 && layers[k][1] > 10);
+        assert_true(fabs(layers[k][2] - (k + 1)) < 1e-12);
+        assert_true(fabs(layers[k][3] - (k ? 0 : 0.04)) < 1e-3);
+    }
+    assert_true(layers[0][4] > 0.4 && layers[1][4] == 0); // every fourth is of the largest
+}
+
+/* Where bodies lie still, and how deep contacts are. */
+static void what_lies_still_and_how_deep_contacts_are(void **state)
+{
+    (void)state;
+    static struct scene s;
+    struct scree_error error;
+    double row[FLOW_COLUMNS];
+    scene_make(&s);
+    s.contact[7].overlap = 3e-5;
+    for (int k = 20; k < ROW + 5; k++)
+        s.body[k].velocity[0] = 1;
+    must(flow_measure(&s.view, &s.site, row, &error), &error);
+    assert_true(fabs(row[FLOW_OVERLAP] - 0.03) < 1e-15 && row[FLOW_OVERLAP - 1] > 1e-3 && row[FLOW_OVERLAP - 1] < 2e-3);
+    assert_true(row[11] == chute_arc(&s.site.chute, s.body[1].position[0])); // of twenty the second and the last but one
+    assert_true(row[12] == chute_arc(&s.site.chute, s.body[18].position[0]));
+}
+
 /* ---- a small flow ---- */
 
 /* 3 g of 3 mm run 0.7 s: they leave the gate, come onto the chute, stay in it,
@@ -292,9 +440,13 @@ int main(void)
         cmocka_unit_test(counts_are_those_of_the_mass_fractions),
         cmocka_unit_test(initial_compaction_is_as_asked),
         cmocka_unit_test(impossible_flows_are_refused),
+        cmocka_unit_test(a_clast_of_ones_own_can_be_the_published_cube),
+        cmocka_unit_test(impossible_clasts_are_refused),
         cmocka_unit_test(mobility_is_that_of_the_largest_connected_part),
         cmocka_unit_test(ranks_tell_where_the_largest_are),
         cmocka_unit_test(agitation_and_losses_of_the_central_part),
+        cmocka_unit_test(slices_of_the_deposit_and_layers_of_the_flow),
+        cmocka_unit_test(what_lies_still_and_how_deep_contacts_are),
         cmocka_unit_test(a_small_flow_runs_and_its_budget_closes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -98,6 +98,7 @@ static struct dem *sphere_world(const struct fragment_spec *m, const struct dem_
                               .surface_count = mesh ? 1 : 0,
                               .floor_z = -1,
                               .threads = 1,
+                              .overlaps = true,
                               .ledger = true};
     memcpy(setup.gravity, gravity, sizeof setup.gravity);
     struct dem *dem = NULL;
@@ -318,6 +319,35 @@ static struct dem *release(int threads, const char *isa)
     return dem;
 }
 
+/* A gate must stand clear of what it holds: said by grain, triangle and surface. */
+static void a_gate_inside_a_grain_is_refused(void **state)
+{
+    (void)state;
+    const double vertex[4][3] = {{0, -1, -1}, {0, 1, -1}, {0, 1, 1}, {0, -1, 1}};
+    const uint32_t corner[2][3] = {{0, 1, 2}, {0, 2, 3}};
+    struct trimesh *gate = NULL;
+    struct scree_error error = {0};
+    struct dem *dem = NULL;
+    must(trimesh_create(vertex, 4, corner, 2, false, &gate, &error), &error);
+    const struct dem_surface surface = {.mesh = gate, .until_s = INFINITY};
+    struct dem_grain grain = {.position = {-0.9e-3, 0.5, 0}, .radius = 1e-3, .density = 2700};
+    struct dem_setup setup = {.law = &law_hertz_tsuji,
+                              .matter = &fragment_igneous,
+                              .step_s = 1e-8,
+                              .grains = &grain,
+                              .grain_count = 1,
+                              .surfaces = &surface,
+                              .surface_count = 1,
+                              .floor_z = -INFINITY,
+                              .threads = 1};
+    assert_int_equal(dem_create(&setup, &dem, &error), SCREE_INVALID);
+    assert_non_null(strstr(error.message, "grain 0 starts 0.0001 m deep in triangle 0 of surface 0"));
+    grain.position[0] = -1e-3; // touches
+    must(dem_create(&setup, &dem, &error), &error);
+    dem_free(dem);
+    trimesh_free(gate);
+}
+
 static void a_gate_holds_then_lifts(void **state)
 {
     (void)state;
@@ -415,13 +445,10 @@ static void an_image_goes_on_to_the_bit(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_flat_of_triangles_is_a_plane),
-        cmocka_unit_test(faces_edges_and_corners_count_once),
-        cmocka_unit_test(a_bowl_of_pieces_is_smooth),
-        cmocka_unit_test(the_chute_is_that_of_equation_1),
-        cmocka_unit_test(a_gate_holds_then_lifts),
-        cmocka_unit_test(momentum_balances_on_a_mesh),
-        cmocka_unit_test(threads_instruction_sets_and_slices_do_not_show),
+        cmocka_unit_test(a_flat_of_triangles_is_a_plane),   cmocka_unit_test(faces_edges_and_corners_count_once),
+        cmocka_unit_test(a_bowl_of_pieces_is_smooth),       cmocka_unit_test(the_chute_is_that_of_equation_1),
+        cmocka_unit_test(a_gate_inside_a_grain_is_refused), cmocka_unit_test(a_gate_holds_then_lifts),
+        cmocka_unit_test(momentum_balances_on_a_mesh),      cmocka_unit_test(threads_instruction_sets_and_slices_do_not_show),
         cmocka_unit_test(an_image_goes_on_to_the_bit),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

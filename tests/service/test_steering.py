@@ -235,6 +235,9 @@ class Steering(unittest.TestCase):
             seen.update(self.checkpoints(job))
             self.assertLessEqual(len(self.checkpoints(job)), 3)  # one may just be on its way out
             time.sleep(0.02)
+        self.control.ask("cancel", {"job": job})
+        self.control.wait(job)
+        self.assertEqual(self.checkpoints(job), [])  # nothing goes on from an ended job
 
     def test_sigterm_leaves_a_checkpoint_of_the_very_step(self):
         daemon = self.start(options=("--checkpoint-s", "0"))

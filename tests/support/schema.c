@@ -55,6 +55,16 @@ static cJSON *field_schema(const cJSON *row, bool defaults)
         json_put(schema, "items", items);
         json_put_int(schema, "minItems", 3);
         json_put_int(schema, "maxItems", 3);
+    } else if (strcmp(type, "rows of numbers") == 0) {
+        cJSON *items = type_schema("number"), *line = type_schema("array");
+        schema = type_schema("array");
+        put_copy(items, "min", row, "minimum");
+        put_copy(items, "max", row, "maximum");
+        json_put(line, "items", items);
+        put_copy(line, "columns", row, "minItems");
+        put_copy(line, "columns", row, "maxItems");
+        json_put(schema, "items", line);
+        put_copy(schema, "rows", row, "maxItems");
     } else if (strcmp(type, "choice") == 0) {
         schema = type_schema("string");
         put_copy(schema, "choices", row, "enum");

@@ -86,10 +86,20 @@ static void bad_collapses_are_refused(void **state)
     refuse(&job, "params.box_height_m", "params.box_height_m: bed and column of 0.134325 m do not fit a box of 0.12 m");
     p = collapse(&job);
     p->continuum.mu = -0.1;
-    refuse(&job, "params.continuum.mu", "params.continuum.mu: -0.1 is outside 0..10");
+    refuse(&job, "params.continuum.mu", "params.continuum.mu: -0.1 is outside 0..1");
+    p = collapse(&job);
+    p->continuum.mu = 1.2;
+    refuse(&job, "params.continuum.mu", "params.continuum.mu: 1.2 is outside 0..1");
+    p = collapse(&job);
+    p->continuum.law = LAW_HYSTERETIC;
+    p->continuum.delta_mu = 0.6;
+    refuse(&job, "params.continuum.delta_mu",
+           "params.continuum.delta_mu: mu + delta_mu = 1.04 at rest is above 1, where the law's cone holds tension");
     p = collapse(&job);
     p->continuum.points = 0;
     refuse(&job, "params.continuum.points", "params.continuum.points: 0 is outside 1..16");
+    p->continuum.points = 216; // along an edge, so that what a cell holds is always a cube
+    refuse(&job, "params.continuum.points", "params.continuum.points: 216 is outside 1..16");
     p = collapse(&job);
     p->continuum.law = LAW_MU_I;
     p->continuum.mu_2 = 0.3;
@@ -115,6 +125,30 @@ static void bad_tilts_are_refused(void **state)
     p->cells_z = 60;
     p->to_deg = 10;
     refuse(&job, "params.to_deg", "params.to_deg: 10 deg is below from_deg, 18 deg");
+}
+
+/* A layer is one column of cells; what bounds its step is the fall through its depth. */
+static void layers_are_planned_and_refused(void **state)
+{
+    (void)state;
+    struct job_spec job;
+    struct continuum_plan plan;
+    job_defaults(&job, &scenario_layer_fields);
+    struct layer_params *p = (struct layer_params *)(void *)job.params;
+    assert_int_equal(job_check(&job, 0, NULL), SCREE_OK);
+    continuum_scenario_find("layer")->plan(&job, &plan);
+    assert_true(plan.setup.layer && plan.setup.cells[2] == 25 && fabs(plan.setup.length[2] - 0.025) < 1e-15);
+    assert_true(plan.setup.body_count == 0 && plan.regions[0].high[2] == 0.02);
+    assert_true(fabs(plan.setup.gravity[0] / -plan.setup.gravity[2] - tan(23.5 * M_PI / 180)) < 1e-12);
+    p->cells = 1;
+    refuse(&job, "params.cells", "params.cells: 1 is outside 2..10000 cells");
+    p->cells = 20;
+    job.time.step_s = 0.002;
+    refuse(&job, "time.step_s",
+           "time.step_s: in 0.002 s a point falling at 0.626 m/s crosses more than a cell of 0.001 m: at most 0.0016 s");
+    job_defaults(&job, &scenario_incline_fields);
+    job.record.surface.on = true;
+    refuse(&job, "record.surface", "record.surface: is for continua, and scenario incline is none");
 }
 
 /* The engine refuses by itself what would make no sense to it. */
@@ -145,7 +179,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(runs_have_the_published_lengths), cmocka_unit_test(grid_fits_the_set_up),
         cmocka_unit_test(bad_collapses_are_refused),       cmocka_unit_test(bad_tilts_are_refused),
-        cmocka_unit_test(bad_set_ups_are_refused),
+        cmocka_unit_test(layers_are_planned_and_refused),  cmocka_unit_test(bad_set_ups_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

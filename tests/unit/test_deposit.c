@@ -86,6 +86,37 @@ static void run_out_follows_the_rule(void **state)
     deposit_lines_free(&lines);
 }
 
+/* A frame holds both lines; the slope of the middle of the box is the wedge's, against the horizontal. */
+static void surface_is_framed_and_its_slope_found(void **state)
+{
+    (void)state;
+    static struct made m;
+    struct deposit_lines lines;
+    struct deposit d;
+    double rows[NX + 1][SURFACE_COLUMNS];
+    make(&m, 0.15); // so high that the wedge reaches over the middle
+    const double tilt = 10 * M_PI / 180;
+    m.view.gravity[0] = 9.81 * sin(tilt);
+    m.view.gravity[2] = -9.81 * cos(tilt);
+    m.view.residual_mean = 1e-12;
+    m.view.residual_largest = 3e-10;
+    assert_int_equal(deposit_lines_start(&lines, &m.view, NULL), SCREE_OK);
+    deposit_measure(&m.view, &site, &lines, &d);
+    /* Cut off by the top of the box at 0.1 m up to x = 0.1: measured right of there, the line is fitted to what is seen. */
+    deposit_surface(&m.view, &lines, rows);
+    for (int x = 11; x <= NX; x++) {
+        assert_true(rows[x][0] == x * spacing && fabs(rows[x][1] - wedge(x * spacing, 0.15)) < 1e-12);
+        assert_true(fabs(rows[x][2] - 0.01) < 1e-12 && fabs(rows[x][3] - floor(rows[x][1] / spacing + 1e-9) * spacing) < 0.011);
+    }
+    assert_true(fabs(d.inclination - 10) < 1e-12);
+    assert_true(d.residual_mean == 1e-12 && d.residual_largest == 3e-10);
+    make(&m, 0.09);
+    m.view.gravity[2] = -9.81;
+    deposit_measure(&m.view, &site, &lines, &d);
+    assert_true(fabs(d.surface_angle - atan(0.5) * 180 / M_PI) < 1e-9); // falls all along the middle
+    deposit_lines_free(&lines);
+}
+
 static void points_and_quantiles(void **state)
 {
     (void)state;
@@ -115,6 +146,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lines_are_found_between_nodes),
         cmocka_unit_test(run_out_follows_the_rule),
+        cmocka_unit_test(surface_is_framed_and_its_slope_found),
         cmocka_unit_test(points_and_quantiles),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -67,6 +67,38 @@ static void switches_are_null_or_an_object(void **state)
 }
 
 /* Each kind of value by its own refusal. */
+/* Rows of numbers go in and out as they are; rows too many, too short, or of something else are refused by number. */
+static void rows_of_numbers_are_read_row_by_row(void **state)
+{
+    (void)state;
+    struct job_spec job, again;
+    struct scree_error err;
+    decoded("{\"scenario\":\"chute\",\"params\":{\"clast\":{\"spheres\":[[0,0,1e-4,2e-4],[0,0,-1e-4,3e-4]],\"mass_kg\":1e-6}}}",
+            &job);
+    const struct chute_params *p = (const struct chute_params *)(const void *)job.params;
+    assert_true(p->clast.on && p->clast.spheres.count == 2 && p->clast.faces.count == 0);
+    assert_true(p->clast.spheres.row[1][2] == -1e-4 && p->clast.spheres.row[1][3] == 3e-4 && p->clast.spheres.row[2][3] == 0);
+    cJSON *json = job_encode(&job);
+    char *printed = cJSON_PrintUnformatted(json); // numbers are raw text until then
+    decoded(printed, &again);
+    free(printed);
+    cJSON_Delete(json);
+    assert_true(field_same(job.scenario->params, job.params, again.params));
+    const struct {
+        const char *rows, *message;
+    } refused[] = {{"[[0,0,1]]", "params.clast.spheres[0]: expected an array of 4 numbers"},
+                   {"[[0,0,1,1],[0,0,1,\"x\"]]", "params.clast.spheres[1]: expected numbers"},
+                   {"[[0,0,0,1e-3],[0,7,0,1e-3]]", "params.clast.spheres[1][1]: 7 is outside -1..1 m"},
+                   {"7", "params.clast.spheres: expected an array of arrays of numbers"}};
+    for (size_t k = 0; k < COUNT(refused); k++) {
+        char text[256];
+        snprintf(text, sizeof text, "{\"scenario\":\"chute\",\"params\":{\"clast\":{\"spheres\":%s}}}", refused[k].rows);
+        assert_int_equal(decode(text, &job, &err), SCREE_INVALID);
+        if (!strstr(err.message, refused[k].message))
+            fail_msg("\"%s\"", err.message);
+    }
+}
+
 static void refusals_name_what_was_expected(void **state)
 {
     (void)state;
@@ -86,8 +118,8 @@ static void refusals_name_what_was_expected(void **state)
         {"\"stop\":{\"when\":[\"rest\",3]}", "stop.when[1]", "stop.when[1]: expected a string, got a number"},
         {"\"record\":{\"basal_force\":{\"chunk\":15}}", "record.basal_force.chunk",
          "record.basal_force.chunk: 15 is outside 16..65536 samples"},
-        {"\"params\":{\"partner\":\"wall\"}", "params.partner",
-         "params.partner: \"wall\" is none of \"sphere\", \"fixed_sphere\", \"plane\""},
+        {"\"params\":{\"partner\":\"ball\"}", "params.partner",
+         "params.partner: \"ball\" is none of \"sphere\", \"fixed_sphere\", \"plane\", \"wall\", \"mirror\""},
         {"\"params\":{\"spin1_rad_s\":[0,\"x\",0]}", "params.spin1_rad_s[1]",
          "params.spin1_rad_s[1]: expected a number, got a string"},
         {"\"params\":{\"spin1_rad_s\":[0,0,1e7]}", "params.spin1_rad_s[2]",
@@ -278,7 +310,8 @@ static void the_schema_is_up_to_date(void **state)
 static void examples_are_accepted(void **state)
 {
     (void)state;
-    const char *const names[] = {"slidequake", "collision", "foerster", "rest"};
+    const char *const names[] = {"slidequake",      "collision",         "foerster",          "rest",
+                                 "calibrate-yield", "calibrate-rocking", "contact-parameters"};
     for (size_t k = 0; k < COUNT(names); k++) {
         char path[512];
         cJSON *json = NULL;
@@ -300,6 +333,7 @@ int main(void)
         cmocka_unit_test(overrides_beat_the_preset),
         cmocka_unit_test(scenario_defaults_come_first),
         cmocka_unit_test(switches_are_null_or_an_object),
+        cmocka_unit_test(rows_of_numbers_are_read_row_by_row),
         cmocka_unit_test(refusals_name_what_was_expected),
         cmocka_unit_test(a_bare_material_name_gets_a_hint),
         cmocka_unit_test(a_misspelt_scenario_key_is_recognised),

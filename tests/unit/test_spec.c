@@ -225,8 +225,8 @@ static void values_are_checked_in_place(void **state)
     c->spin2_rad_s[1] = -2e6;
     refused(&job, 0, SCREE_INVALID, "params.spin2_rad_s[1]", "params.spin2_rad_s[1]: -2e+06 is outside -1e+06..1e+06 rad/s");
     c->spin2_rad_s[1] = 0;
-    c->partner = 3;
-    refused(&job, 0, SCREE_INVALID, "params.partner", "params.partner: there is no choice number 3");
+    c->partner = 5;
+    refused(&job, 0, SCREE_INVALID, "params.partner", "params.partner: there is no choice number 5");
 }
 
 /* The message for a domain of one grain says what the limit is about. */

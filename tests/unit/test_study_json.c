@@ -98,6 +98,43 @@ static void a_swept_preset_brings_its_own_values(void **state)
     study_plan_free(&plan);
 }
 
+/* Likewise a published run, which a scenario's other params start from. */
+static void a_swept_run_brings_its_own_values(void **state)
+{
+    (void)state;
+    struct study_plan plan;
+    struct job_spec job;
+    decoded("{\"study\":\"sweep\",\"job\":{\"scenario\":\"collapse\",\"params\":{\"width_m\":0.04}},"
+            "\"grid\":{\"params.run\":[\"B00\",\"B15\"]}}",
+            &plan);
+    assert_int_equal(study_plan_trial(&plan, 1, &job, NULL), SCREE_OK);
+    const struct collapse_params *p = (const struct collapse_params *)(const void *)job.params;
+    assert_true(p->slope_deg == 15 && p->height_m == 0.1108 && p->width_m == 0.04);
+    study_plan_free(&plan);
+}
+
+/* A case may name a scenario of its own; its other values are that one's. */
+static void a_case_may_name_its_scenario(void **state)
+{
+    (void)state;
+    struct study_plan plan;
+    struct job_spec job;
+    struct scree_error err;
+    decoded("{\"study\":\"sweep\",\"job\":{\"scenario\":\"incline\",\"params\":{\"slope_deg\":21}},"
+            "\"cases\":[{\"params.nz\":3},{\"params.depth_m\":0.03,\"scenario\":\"layer\"}]}",
+            &plan);
+    assert_int_equal(study_plan_trial(&plan, 1, &job, NULL), SCREE_OK);
+    const struct layer_params *p = (const struct layer_params *)(const void *)job.params;
+    assert_true(job.scenario->kind == SCENARIO_MPM && p->slope_deg == 21 && p->depth_m == 0.03);
+    study_plan_free(&plan);
+    assert_int_equal(decode("{\"study\":\"sweep\",\"job\":{\"scenario\":\"incline\"},"
+                            "\"cases\":[{\"scenario\":\"layer\",\"params.nz\":3}]}",
+                            &plan, &err),
+                     SCREE_INVALID);
+    assert_string_equal(err.path, "cases[0].params.nz");
+    study_plan_free(&plan);
+}
+
 /* A flow that accelerates goes on all the more: one word means both, and both then end a trial early. */
 static void steady_means_flowing(void **state)
 {
@@ -286,7 +323,9 @@ static void the_schema_is_up_to_date(void **state)
 static void examples_are_accepted(void **state)
 {
     (void)state;
-    const char *const names[] = {"bisect-mu_t", "slidequakes", "calibrate-beta"};
+    const char *const names[] = {"bisect-mu_t",         "slidequakes",           "calibrate-beta",
+                                 "calibrate-beta-slip", "calibrate-restitution", "calibrate-kappa",
+                                 "calibrate-beta_r",    "calibrate-mu_r",        "calibrate-step"};
     for (size_t k = 0; k < COUNT(names); k++) {
         char path[512];
         cJSON *json = NULL;
@@ -311,6 +350,8 @@ int main(void)
         cmocka_unit_test(a_grid_becomes_its_trials),
         cmocka_unit_test(cases_take_their_own_values),
         cmocka_unit_test(a_swept_preset_brings_its_own_values),
+        cmocka_unit_test(a_swept_run_brings_its_own_values),
+        cmocka_unit_test(a_case_may_name_its_scenario),
         cmocka_unit_test(steady_means_flowing),
         cmocka_unit_test(refusals_name_the_place),
         cmocka_unit_test(the_resolved_study_is_the_same_one),

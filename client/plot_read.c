@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* See plot_read.h. */
+#include "plot_read.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "output.h"
+
+enum { QUIET_SECONDS = 60 };
+
+enum outcome plot_read_chunks(struct link *link, const char *job, const char *stream, uint64_t from, uint64_t count,
+                              void (*take)(void *, const struct reader_chunk *), void *context, struct scree_error *err)
+{
+    struct reader *reader = NULL;
+    struct reader_chunk chunk;
+    enum outcome outcome = from < count ? reader_open(link, job, stream, from, &reader, err) : OUTCOME_DONE;
+    double quiet = now_s();
+    while (!outcome && reader && reader_position(reader) < count) {
+        switch (reader_next(reader, 200, &chunk, err)) {
+        case READER_CHUNK:
+            take(context, &chunk);
+            quiet = now_s();
+            break;
+        case READER_QUIET:
+            if (now_s() - quiet > QUIET_SECONDS)
+                outcome = outcome_fail(err, OUTCOME_UNREACHABLE, "the stream %s of %s has been silent for %d s", stream, job,
+                                       QUIET_SECONDS);
+            break;
+        case READER_END:
+            count = 0;
+            break;
+        case READER_ERROR:
+            outcome = OUTCOME_FAILED;
+            break;
+        case READER_DAMAGED:
+            outcome = outcome_fail(err, OUTCOME_FAILED, "the stream %s of %s did not arrive whole", stream, job);
+            break;
+        }
+    }
+    reader_close(reader);
+    return outcome;
+}
+
+uint64_t plot_chunks_of(const cJSON *record, const char *stream)
+{
+    double chunks = json_number(json_get(json_get(record, "streams"), stream), "chunks", 0);
+    return chunks > 0 ? (uint64_t)chunks : 0;
+}
+
+double plot_number_of(const cJSON *record, const char *name)
+{
+    const cJSON *row;
+    cJSON_ArrayForEach(row, json_get(record, "numbers"))
+    {
+        const char *here = json_text(row, "name");
+        if (here && strcmp(here, name) == 0)
+            return json_number(row, "value", NAN);
+    }
+    return NAN;
+}
