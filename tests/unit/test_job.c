@@ -155,11 +155,6 @@ static void randomise(struct rng *rng, const struct field_table *table, void *ob
             for (size_t c = 0; c < length; c++)
                 ((char *)value)[c] = (char)(0x20 + rng_next(rng) % 0x5f);
             break;
-        case FIELD_ROWS:
-            *(int64_t *)value = (int64_t)(rng_next(rng) % (row->size + 1));
-            for (int64_t n = 0; n < field_rows_count(value) * (int64_t)row->columns; n++)
-                field_rows_numbers(value)[n] = random_real(rng, row->min, row->max);
-            break;
         case FIELD_GROUP:
             randomise(rng, row->table, value);
             break;
