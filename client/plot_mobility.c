@@ -46,6 +46,14 @@ static double cell(const cJSON *table, const cJSON *row, const char *name, doubl
     return cJSON_IsNumber(value) ? value->valuedouble : missing;
 }
 
+/* A trial that still runs has numbers, but they are not of a deposit. */
+static bool is_done(const cJSON *table, const cJSON *row)
+{
+    int column = column_of(table, "state");
+    const char *word = column >= 0 ? cJSON_GetStringValue(cJSON_GetArrayItem(row, column)) : NULL;
+    return !word || strcmp(word, "done") == 0;
+}
+
 static const char *accelerator_of(const cJSON *table, const cJSON *row)
 {
     int column = column_of(table, "params.accelerator");
@@ -65,7 +73,7 @@ bool plot_mobility_fit(const cJSON *table)
     const cJSON *row;
     int count = 0;
     cJSON_ArrayForEach(row, json_get(table, "rows")) count +=
-        isfinite(cell(table, row, "mobility", NAN) + cell(table, row, "beta", NAN));
+        is_done(table, row) && isfinite(cell(table, row, "mobility", NAN) + cell(table, row, "beta", NAN));
     return count >= 2;
 }
 
@@ -97,7 +105,7 @@ static struct line write_panel(struct picture *p, const cJSON *table, int which,
         cJSON_ArrayForEach(row, json_get(table, "rows"))
         {
             double beta = cell(table, row, "beta", NAN), mobility = cell(table, row, panel->mobility, NAN);
-            if (!isfinite(beta + mobility) || kind_of(table, row) != (enum kind)k ||
+            if (!is_done(table, row) || !isfinite(beta + mobility) || kind_of(table, row) != (enum kind)k ||
                 strcmp(accelerator_of(table, row), panel->accelerator) != 0)
                 continue;
             fprintf(p->script, "%.9g %.9g %.9g %.9g\n", beta, mobility, cell(table, row, "mobility_lower", mobility),

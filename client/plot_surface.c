@@ -4,9 +4,6 @@
 #include "plot_surface.h"
 
 #include <math.h>
-#include <string.h>
-
-#include "plot_read.h"
 
 void plot_surface_take(void *context, const struct reader_chunk *chunk)
 {
@@ -40,7 +37,7 @@ void plot_surface_draw(struct picture *p, const struct plot_surface *s, double g
     const double times[] = {0, gate_s + (after > 0.6 ? 0.2 : after / 3), gate_s + (after > 0.6 ? 0.6 : 2 * after / 3),
                             gate_s + after};
     fprintf(p->script, "set xlabel 'along the channel (m); lines: free surface, dots: below them nothing flows at 0.01 m/s'\n"
-                       "set ylabel 'height over the floor (mm)'\nset yrange [0:*]\nplot ");
+                       "set ylabel 'height over the floor (mm)'\nset xrange [0:*] noextend\nset yrange [0:*]\nplot ");
     for (size_t k = 0; k < sizeof times / sizeof *times; k++) {
         size_t frame = nearest(s, times[k]);
         fprintf(p->script, "$surface%zu using 1:2 with lines lw 1.8 lc rgb '%s' title '%.3g s%s', ", frame, colours[k],
@@ -51,5 +48,5 @@ void plot_surface_draw(struct picture *p, const struct plot_surface *s, double g
         if (k > 0)
             fprintf(p->script, "$surface%zu using 1:3 with lines lw 2 dt 3 lc rgb '%s' notitle, ", frame, colours[k]);
     }
-    fprintf(p->script, "NaN notitle\nset yrange [*:*]\n");
+    fprintf(p->script, "NaN notitle\nset xrange [*:*] extend\nset yrange [*:*]\n");
 }

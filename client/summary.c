@@ -53,14 +53,11 @@ static void print_state(const cJSON *record)
     putchar('\n');
 }
 
-/* How far a world went and how fast; a calculation has none. */
 static void print_run(const cJSON *record)
 {
     char time[TEXT_MAX], end[TEXT_MAX], steps[TEXT_MAX], grains[TEXT_MAX], rate[TEXT_MAX], text[512];
     const char *isa = json_text(record, "isa");
     double threads = json_number(record, "threads", 1), grain_steps_per_s = json_number(record, "grain_steps_per_s", 0);
-    if (json_number(record, "grains", 0) == 0 && json_number(record, "steps", 0) <= 1)
-        return;
     snprintf(text, sizeof text, "%s s of at most %s s, %s steps, %s grains", text_number(json_number(record, "time_s", 0), time),
              text_number(json_number(record, "end_s", 0), end), text_count(json_number(record, "steps", 0), steps),
              text_count(json_number(record, "grains", 0), grains));
@@ -111,18 +108,20 @@ void summary_print(const cJSON *record, const char *file)
 {
     const char *verdict = json_text(record, "verdict"), *evidence = json_text(record, "evidence"),
                *paper = json_text(record, "paper");
+    bool calculated = json_number(record, "grains", 0) == 0 && json_number(record, "steps", 0) > 0; // no world, no verdict
     char text[1024];
     print_state(record);
     if (paper && *paper)
         line("paper", paper);
-    bool judged = (verdict && strcmp(verdict, "undecided") != 0) || (evidence && *evidence);
-    snprintf(text, sizeof text, "%.40s%s%.900s", verdict ? verdict : "undecided", evidence && *evidence ? ": " : "",
-             evidence ? evidence : "");
-    if (judged)
+    if (!calculated) {
+        snprintf(text, sizeof text, "%.40s%s%.900s", verdict ? verdict : "undecided", evidence && *evidence ? ": " : "",
+                 evidence ? evidence : "");
         line("verdict", text);
+    }
     if (*summary_error(record))
         line("error", summary_error(record));
-    print_run(record);
+    if (!calculated)
+        print_run(record);
     print_force(record);
     print_numbers(record);
     if (file)

@@ -16,44 +16,48 @@ SIMD_INLINE v4 lanes_rolling(v4 torque, v4 spin, v4 turn)
     return v4_select((m4)(printed < stop), printed, stop);
 }
 
-struct rows { // of one of the two grains, by lane
-    const double *x[4], *v[4], *w[4], *arm[4];
+/* Both grains of four pairs. Rows are numbered in scalars, not arrays: of arrays of addresses compilers make vectors that
+ * go through memory before they can be used. */
+struct grains {
+    struct x3 x, velocity, spin1, spin2, arm1, arm2; // x and velocity: from 1 to 2, of 1 against 2
+    v4 light1, light2, turn1, turn2;
 };
+
+SIMD_INLINE struct grains grains_load(const struct pair_batch *b, const uint32_t p[4])
+{
+    const uint32_t i0 = b->first[p[0]], i1 = b->first[p[1]], i2 = b->first[p[2]], i3 = b->first[p[3]];
+    const uint32_t s0 = b->second[p[0]], s1 = b->second[p[1]], s2 = b->second[p[2]], s3 = b->second[p[3]];
+    const uint32_t j0 = s0 & IMAGE_ROW, j1 = s1 & IMAGE_ROW, j2 = s2 & IMAGE_ROW, j3 = s3 & IMAGE_ROW;
+    struct grains g;
+    v4 unused;
+    v4_transpose((v4_load(b->position[j0]) - v4_load(b->position[i0])) + v4_load(b->shift[s0 >> IMAGE_SHIFT]),
+                 (v4_load(b->position[j1]) - v4_load(b->position[i1])) + v4_load(b->shift[s1 >> IMAGE_SHIFT]),
+                 (v4_load(b->position[j2]) - v4_load(b->position[i2])) + v4_load(b->shift[s2 >> IMAGE_SHIFT]),
+                 (v4_load(b->position[j3]) - v4_load(b->position[i3])) + v4_load(b->shift[s3 >> IMAGE_SHIFT]), &g.x.x, &g.x.y,
+                 &g.x.z, &unused);
+    struct x3 v1 = rows_load(b->velocity[i0], b->velocity[i1], b->velocity[i2], b->velocity[i3], &g.light1);
+    struct x3 v2 = rows_load(b->velocity[j0], b->velocity[j1], b->velocity[j2], b->velocity[j3], &g.light2);
+    g.velocity = x3_sub(v1, v2);
+    g.spin1 = rows_load(b->spin[i0], b->spin[i1], b->spin[i2], b->spin[i3], &g.turn1);
+    g.spin2 = rows_load(b->spin[j0], b->spin[j1], b->spin[j2], b->spin[j3], &g.turn2);
+    g.arm1 = rows_load(b->arm[i0], b->arm[i1], b->arm[i2], b->arm[i3], &unused);
+    g.arm2 = rows_load(b->arm[j0], b->arm[j1], b->arm[j2], b->arm[j3], &unused);
+    return g;
+}
 
 SIMD_INLINE void group(const struct law_coefs *c, const struct pair_batch *b, const uint32_t p[4], struct contact_out *const out[4],
                        struct contact_loss *const loss[4], int ledger)
 {
-    struct rows g1, g2;
-    const double *shift[4];
-    double *row[4];
-    for (int l = 0; l < 4; l++) {
-        uint32_t i = b->first[p[l]], second = b->second[p[l]], j = second & IMAGE_ROW;
-        g1.x[l] = b->position[i], g2.x[l] = b->position[j];
-        g1.v[l] = b->velocity[i], g2.v[l] = b->velocity[j];
-        g1.w[l] = b->spin[i], g2.w[l] = b->spin[j];
-        g1.arm[l] = b->arm[i], g2.arm[l] = b->arm[j];
-        shift[l] = b->shift[second >> IMAGE_SHIFT];
-        row[l] = b->contact[p[l]];
-    }
+    double *const row0 = b->contact[p[0]], *const row1 = b->contact[p[1]], *const row2 = b->contact[p[2]],
+                  *const row3 = b->contact[p[3]];
     const v4 zero = {0}, one = v4_all(1.0), dt = v4_all(c->step);
-    struct x3 x;
-    v4 unused, light1, light2, turn1, turn2;
-    v4_transpose((v4_load(g2.x[0]) - v4_load(g1.x[0])) + v4_load(shift[0]),
-                 (v4_load(g2.x[1]) - v4_load(g1.x[1])) + v4_load(shift[1]),
-                 (v4_load(g2.x[2]) - v4_load(g1.x[2])) + v4_load(shift[2]),
-                 (v4_load(g2.x[3]) - v4_load(g1.x[3])) + v4_load(shift[3]), &x.x, &x.y, &x.z, &unused);
-    struct x3 v1 = rows_load(g1.v[0], g1.v[1], g1.v[2], g1.v[3], &light1),
-              v2 = rows_load(g2.v[0], g2.v[1], g2.v[2], g2.v[3], &light2);
-    struct x3 spin1 = rows_load(g1.w[0], g1.w[1], g1.w[2], g1.w[3], &turn1);
-    struct x3 spin2 = rows_load(g2.w[0], g2.w[1], g2.w[2], g2.w[3], &turn2);
-    struct x3 arm1 = rows_load(g1.arm[0], g1.arm[1], g1.arm[2], g1.arm[3], &unused);
-    struct x3 arm2 = rows_load(g2.arm[0], g2.arm[1], g2.arm[2], g2.arm[3], &unused);
-    v4 mn_was, fn_old, a_old, r, r1, r2;
-    struct x3 slid_was = rows_load(row[0], row[1], row[2], row[3], &mn_was);
-    rows_load(row[0] + 4, row[1] + 4, row[2] + 4, row[3] + 4, &fn_old);
-    v4_transpose(v4_load(row[0] + 8), v4_load(row[1] + 8), v4_load(row[2] + 8), v4_load(row[3] + 8), &a_old, &r, &r1, &r2);
+    const struct grains g = grains_load(b, p);
+    const struct x3 x = g.x, velocity = g.velocity, spin1 = g.spin1, spin2 = g.spin2, arm1 = g.arm1, arm2 = g.arm2;
+    const v4 light1 = g.light1, light2 = g.light2, turn1 = g.turn1, turn2 = g.turn2;
+    v4 mn_was, a_old, r, r1, r2;
+    struct x3 slid_was = rows_load(row0, row1, row2, row3, &mn_was);
+    v4_transpose(v4_load(row0 + 8), v4_load(row1 + 8), v4_load(row2 + 8), v4_load(row3 + 8), &a_old, &r, &r1, &r2);
 
-    struct x3 velocity = x3_sub(v1, v2);
     v4 distance = v4_sqrt(x3_dot(x, x)), inverse = one / distance;
     v4 overlap = (r1 + r2) - distance;
     overlap = v4_select((m4)(overlap > zero), overlap, zero);
@@ -100,11 +104,12 @@ SIMD_INLINE void group(const struct law_coefs *c, const struct pair_batch *b, co
         rows_store(&loss[0]->normal, &loss[1]->normal, &loss[2]->normal, &loss[3]->normal, (struct x3){lost_n, lost_t, zero},
                    lost_r);
     }
-    rows_store(row[0], row[1], row[2], row[3], slid, mn_was);
+    rows_store(row0, row1, row2, row3, slid, mn_was);
+    double *const rows[4] = {row0, row1, row2, row3};
     v4 fn_size = v4_abs(fn);
     for (int l = 0; l < 4; l++) {
-        row[l][CONTACT_FN] = fn_size[l];
-        row[l][CONTACT_A] = a[l];
+        rows[l][CONTACT_FN] = fn_size[l];
+        rows[l][CONTACT_A] = a[l];
     }
 }
 

@@ -38,6 +38,7 @@ static void row_of(const struct view *view, const struct view_contact *c, double
     row[1] = wall ? c->b - VIEW_WALL : view->id[c->b];
     for (int a = 0; a < 3; a++) {
         double at = x[a] + c->normal[a] * (x[3] - 0.5 * c->overlap), box = view->length[a];
+        at = view->part_start ? c->point[a] : at; // bodies of parts have no radius
         row[2 + a] = box > 0 ? at - floor(at / box) * box : at;
         row[5 + a] = c->normal[a];
         double t = c->force[a] - c->force_normal * c->normal[a];

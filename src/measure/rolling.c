@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The sphere of scenario `rolling`: where it is, how fast, and what its motion says of the rolling resistance.
  *
- * A sphere that comes to a stop is at rest, one that reaches the bottom of the plane flows: as in the experiment, which looks
- * at nothing else. Once it has turned back for the first time it rocks without slipping in its rolling resistance, and eq. 27
- * is fitted from there on. It gives K = w^2 + g^2 and beta_r = 2 g / K. K is the stiffness over the inertia that takes part,
- * which for a sphere that rolls on a plane without sliding is I + m r^2 = 7/5 m r^2:
+ * A sphere that turns back, or is slower than flows at rest are, has come to a stop; one that reaches the bottom of the plane
+ * flows: as in the experiment, which looks at nothing else. Once it has stopped it rocks without slipping in its rolling
+ * resistance, and eq. 27 is fitted from there on. It gives K = w^2 + g^2 and beta_r = 2 g / K. K is the stiffness over the
+ * inertia that takes part, which for a sphere that rolls on a plane without sliding is I + m r^2 = 7/5 m r^2:
  *     K = 2 kappa F r / (7/5 m r^2) = 10 kappa F / (7 m r).
  * The paper divides by the sphere's own I and takes half its radius (k_r / I = 5 kappa g / 2 r): the kappa of that relation is
  * 4/7 of what the law was given, and is put beside it. */
@@ -74,7 +74,8 @@ static enum scree_status sample(void *state, struct measure_context *context, co
     struct state *s = state;
     const struct view *view = now->grains;
     double velocity = view->velocity[0][0];
-    if (s->stop_s == 0 && (velocity < 0) != (s->speed < 0) && s->speed != 0)
+    double calm = VERDICT_CALM * sqrt(fabs(context->gravity[2]) * context->site.diameter);
+    if (s->stop_s == 0 && (velocity * s->speed < 0 || fabs(velocity) < calm))
         s->stop_s = context->time_s;
     s->speed = velocity;
     s->distance = view->position[0][0] - s->start;

@@ -4,7 +4,7 @@
  * Order. Two rows touch the same velocities when their nodes are at most two
  * layers apart. The grid is cut into slabs of SLAB_LAYERS >= 2 layers along x;
  * even slabs go first, then odd ones. Slabs of one kind share nothing, so threads
- * take them as they like; within a slab rows go one after the other along memory.
+ * take them as they like, each to whoever has the fewest rows so far; within a slab rows go one after the other.
  * The slabs follow from the grid, hence the same bits on any number of threads,
  * and nearly the convergence of a plain sweep, which 27 colours would not have.
  *
@@ -18,20 +18,12 @@
 #include "mpm/drucker_prager.h"
 #include "mpm/state.h"
 
-/* Slabs of one kind that a member takes: contiguous, about the same number of rows each. */
+/* Slabs of one kind that a member takes. */
 static void each_slab(struct mpm *mpm, int member, size_t odd, void (*work)(struct mpm *, int, size_t))
 {
-    size_t rows = 0, begun = 0;
     for (size_t s = odd; s < mpm->slab_count; s += 2)
-        rows += mpm->slab_row[s + 1] - mpm->slab_row[s];
-    size_t from = member_share(rows, member, mpm->part_count), to = member_share(rows, member + 1, mpm->part_count);
-    for (size_t s = odd; s < mpm->slab_count; s += 2) {
-        size_t here = mpm->slab_row[s + 1] - mpm->slab_row[s];
-        size_t middle = begun + here / 2;
-        if (here && middle >= from && middle < to)
+        if (mpm->slab_owner[s] == member)
             work(mpm, member, s);
-        begun += here;
-    }
 }
 
 /* Both kinds in turn; a barrier after each. */

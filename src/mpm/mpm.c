@@ -133,11 +133,12 @@ static enum scree_status make_rows(struct mpm *mpm, struct scree_error *err)
     mpm->floor_coupling = memory_rows(most, sizeof *mpm->floor_coupling);
     mpm->strain = memory_rows(most, sizeof *mpm->strain);
     mpm->slab_row = memory_rows(mpm->slab_count + 1, sizeof *mpm->slab_row);
+    mpm->slab_owner = memory_rows(mpm->slab_count, sizeof *mpm->slab_owner);
     mpm->slab_sums = memory_rows(mpm->slab_count, sizeof *mpm->slab_sums);
     mpm->contacts = memory_rows(contacts, sizeof *mpm->contacts);
     mpm->last_contacts = memory_rows(contacts, sizeof *mpm->last_contacts);
-    if (!mpm->rows || !mpm->coupling || !mpm->floor_coupling || !mpm->strain || !mpm->slab_row || !mpm->slab_sums ||
-        !mpm->contacts || !mpm->last_contacts)
+    if (!mpm->rows || !mpm->coupling || !mpm->floor_coupling || !mpm->strain || !mpm->slab_row || !mpm->slab_owner ||
+        !mpm->slab_sums || !mpm->contacts || !mpm->last_contacts)
         return no_memory(err, "rows", most);
     f->rows = mpm->rows;
     f->coupling = mpm->coupling;
@@ -227,6 +228,7 @@ static void free_nodes(struct mpm *mpm)
     free(mpm->floor_coupling);
     free(mpm->strain);
     free(mpm->slab_row);
+    free(mpm->slab_owner);
     free(mpm->slab_sums);
     free(mpm->contacts);
     free(mpm->last_contacts);

@@ -21,6 +21,7 @@ struct member_part {
     size_t mover_count, mover_room;
     double courant;
     uint64_t stalls;
+    size_t rows; // of slabs of one kind, while they are shared out
     enum scree_status status;
     struct scree_error error;
 };
@@ -67,6 +68,7 @@ struct mpm {
     double (*floor_coupling)[4]; // by row: its unscaled coupling to nodes that stick to the floor, m2
     double (*strain)[2];         // by row: see row_look
     size_t *slab_row;            // first row of each slab, slab_count + 1
+    int *slab_owner;             // member that sweeps it
     size_t slab_count;
     struct row_sums *slab_sums;
     struct field field;

@@ -170,6 +170,7 @@ static const struct field rolling_fields[] = {
 };
 static const struct field_table rolling_table = {"rolling", "", rolling_fields, COUNT(rolling_fields), sizeof(struct record_every)};
 static const struct field connectivity_fields[] = {EVERY(1e-3, "interval between samples")};
+static const struct field heap_fields[] = {EVERY(5e-3, "interval between samples")};
 static const struct field forces_fields[] = {EVERY(1e-2, "interval between frames")};
 static const struct field_table profiles_table = {"profiles", "", profiles_fields, COUNT(profiles_fields),
                                                   sizeof(struct record_profiles)};
@@ -179,6 +180,7 @@ static const struct field_table spectrum_table = {"spectrum", "", spectrum_field
                                                   sizeof(struct record_spectrum)};
 static const struct field_table connectivity_table = {"connectivity", "", connectivity_fields, COUNT(connectivity_fields),
                                                       sizeof(struct record_every)};
+static const struct field_table heap_table = {"heap", "", heap_fields, COUNT(heap_fields), sizeof(struct record_every)};
 static const struct field_table forces_table = {"forces", "", forces_fields, COUNT(forces_fields), sizeof(struct record_every)};
 
 static const struct field record_fields[] = {
@@ -286,6 +288,14 @@ static const struct field record_fields[] = {
      .doc = "the network of contacts, a frame an instant",
      .source = "seed 000, movies S2 and S3",
      .table = &forces_table},
+    {.name = "heap",
+     .type = FIELD_SWITCH,
+     .offset = offsetof(struct record_spec, heap),
+     .preset = 0,
+     .unit = "",
+     .doc = "rigid bodies: speeds on the way, contacts and fabric when the gate goes or at the end, kind of collapse",
+     .source = "seed 001 IV",
+     .table = &heap_table},
 };
 static const struct field_table record_table = {"record", "", record_fields, COUNT(record_fields), sizeof(struct record_spec)};
 
@@ -373,7 +383,7 @@ void job_defaults(struct job_spec *job, const struct scenario_fields *scenario)
         scenario->defaults(job);
 }
 
-/* Records that only worlds of grains have, and one that only its own scenario has. */
+/* Records that only worlds of one kind have, and one that only its own scenario has. */
 static enum scree_status check_kind(const struct job_spec *job, struct scree_error *err)
 {
     static const char *const of_grains[] = {"profiles", "collisions", "connectivity", "spectrum", "forces"};
@@ -389,6 +399,9 @@ static enum scree_status check_kind(const struct job_spec *job, struct scree_err
         }
     if (job->record.surface.on && job->scenario->kind != SCENARIO_MPM)
         return scree_fail(err, SCREE_INVALID, "record.surface", "record.surface: is for continua, and scenario %s is none",
+                          job->scenario->name);
+    if (job->record.heap.on && scenario_material(job->scenario)->table != &rigid_table)
+        return scree_fail(err, SCREE_INVALID, "record.heap", "record.heap: is for worlds of rigid bodies, and scenario %s has none",
                           job->scenario->name);
     return SCREE_OK;
 }

@@ -286,6 +286,7 @@ void rigid_defaults(struct job_spec *job)
     job->time.step_s = 2.5e-6;
     job->record.basal_force.every_s = 1e-4;
     job->record.bulk.on = true;
+    job->record.heap.on = true;
 }
 
 enum { BYTES_PER_BODY = 8000 }; // with its pairs of parts where bodies are entangled

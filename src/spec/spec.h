@@ -201,6 +201,7 @@ struct record_spec {
     struct record_every snapshots;    // every grain's state
     struct record_every flow;         // scenario chute: where the flow is, its agitation and losses
     struct record_every surface;      // continuum: free surface and static line along x
+    struct record_every heap;         // rigid bodies: speeds, contacts, fabric, kind of collapse
     struct record_every contact;      // scenario collision: overlap and forces of the one contact
     struct record_every rolling;      // scenario rolling: place, velocity and spin of the sphere
     struct record_profiles profiles;  // by height: phi, u, T, impacts, share joined to the base

@@ -15,7 +15,7 @@
 #include "base/cpu.h"
 #include "scree.h"
 
-static const uint64_t golden = 0x79dddc4e52593d3cull;
+static const uint64_t golden = 0x79dddc4e52593d3cull, golden_own = 0x983676de14041a55ull;
 
 static enum scree_status mix(void *context, const struct scree_chunk *chunk, struct scree_error *err)
 {
@@ -45,6 +45,24 @@ static struct job_spec spec(void)
     job.stop.when = 0;
     job.record.energy = (struct record_every){true, 0.01};
     job.record.flow.every_s = 0.02;
+    return job;
+}
+
+/* The same of clasts of the user's own, three spheres of three sizes, for 0.05 s. */
+static struct job_spec spec_own(void)
+{
+    static const double spheres[3][4] = {{0, 0, 0, 8e-4}, {1e-3, 0, 0, 6e-4}, {0, 1.2e-3, 3e-4, 5e-4}};
+    struct job_spec job = spec();
+    struct clast_spec *c = &((struct chute_params *)(void *)job.params)->clast;
+    c->on = true;
+    c->spheres.count = 3;
+    memcpy(c->spheres.row, spheres, sizeof spheres);
+    c->mass_kg = 1e-5;
+    c->centre_m[0] = c->centre_m[1] = 3e-4;
+    c->moments_kg_m2[0] = 9e-12, c->moments_kg_m2[1] = 7e-12, c->moments_kg_m2[2] = 1e-11;
+    c->products_kg_m2[0] = 2e-12;
+    job.time.step_s = 1e-5;
+    job.time.end_s = 0.05;
     return job;
 }
 
@@ -78,16 +96,21 @@ static void finish(struct scree_world *world, struct outcome *out)
     scree_world_free(world);
 }
 
-static struct outcome whole(int threads, const char *isa, uint64_t slice)
+static struct outcome whole_of(const struct job_spec *job, int threads, const char *isa, uint64_t slice)
 {
-    struct job_spec job = spec();
     struct outcome out = {0, 1};
     const struct scree_options options = {.threads = threads, .isa = isa};
-    struct scree_world *world = make(&job, &options, &out.streams);
+    struct scree_world *world = make(job, &options, &out.streams);
     while (!scree_world_progress(world).finished)
         run(world, slice);
     finish(world, &out);
     return out;
+}
+
+static struct outcome whole(int threads, const char *isa, uint64_t slice)
+{
+    struct job_spec job = spec();
+    return whole_of(&job, threads, isa, slice);
 }
 
 static void same(struct outcome a, struct outcome b)
@@ -108,6 +131,21 @@ static void threads_instruction_sets_and_slices_do_not_show(void **state)
         print_message("0x%016llx\n", (unsigned long long)one.state);
     else
         assert_true(one.state == golden);
+}
+
+static void nor_do_they_with_clasts_of_ones_own(void **state)
+{
+    (void)state;
+    struct job_spec job = spec_own();
+    struct outcome one = whole_of(&job, 1, NULL, 1000000);
+    same(one, whole_of(&job, 3, NULL, 77));
+    for (enum cpu_isa isa = CPU_V2; isa < CPU_ISA_COUNT; isa++)
+        if (cpu_has(isa))
+            same(one, whole_of(&job, 2, cpu_isa_name(isa), 1000000));
+    if (getenv("SCREE_GOLDEN"))
+        print_message("0x%016llx\n", (unsigned long long)one.state);
+    else
+        assert_true(one.state == golden_own);
 }
 
 /* Cut while the gate still lifts, and again when bodies lie on the chute. */
@@ -150,6 +188,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(threads_instruction_sets_and_slices_do_not_show),
+        cmocka_unit_test(nor_do_they_with_clasts_of_ones_own),
         cmocka_unit_test(checkpoints_and_forks_do_not_show),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -90,6 +90,24 @@ static void records_of_spheres(void **state)
     refused(&job, "record.profiles", "record.profiles: is for worlds of spheres, and scenario dam_break has rigid bodies");
 }
 
+static void several_threads(void **state)
+{
+    (void)state;
+    struct job_spec job;
+    dam(&job);
+    job.threads = 2;
+    refused(&job, "threads", "threads: 2: worlds of rigid bodies step in one thread, several jobs at once");
+}
+
+static void heap_of_what_has_no_bodies(void **state)
+{
+    (void)state;
+    struct job_spec job;
+    job_defaults(&job, &scenario_incline_fields);
+    job.record.heap.on = true;
+    refused(&job, "record.heap", "record.heap: is for worlds of rigid bodies, and scenario incline has none");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -100,6 +118,8 @@ int main(void)
         cmocka_unit_test(crust_without_a_core),
         cmocka_unit_test(step_too_long_for_a_contact),
         cmocka_unit_test(records_of_spheres),
+        cmocka_unit_test(several_threads),
+        cmocka_unit_test(heap_of_what_has_no_bodies),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
