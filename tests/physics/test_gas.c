@@ -181,6 +181,7 @@ static void a_dilute_gas_drums_on_its_floor(void **state)
     run(&job, &told);
     double density = 1000 / (gas_edge(&job) - 2 * r) * (1 + 4 * p->solid_fraction); // times the area
     double plateau = density * sqrt(TEMPERATURE / (2 * M_PI)) * 8 * mass * mass * TEMPERATURE;
+    assert_true(fabs(told.power / told.shape / plateau - 1) < 0.05);
     assert_true(fabs((told.last + told.elastic) / told.first - 1) < 1e-3);
 }
 
