@@ -4,17 +4,10 @@
 
 #include <string.h>
 
-<<<<<<< HEAD
 extern const struct scenario scenario_incline, scenario_channel, scenario_collision, scenario_chute, scenario_gas, scenario_rolling;
 
 static const struct scenario *const all[] = {&scenario_incline, &scenario_channel, &scenario_collision,
                                              &scenario_chute,   &scenario_gas,     &scenario_rolling};
-=======
-extern const struct scenario scenario_incline, scenario_collision, scenario_chute, scenario_gas, scenario_rolling, scenario_channel;
-
-static const struct scenario *const all[] = {&scenario_incline, &scenario_collision, &scenario_chute,
-                                             &scenario_gas,     &scenario_rolling,   &scenario_channel};
->>>>>>> 4c5f84f729d01a3550dfcf5012849a98647f7bef
 
 const struct scenario *scenario_implementation(const char *name)
 {
