@@ -137,6 +137,12 @@ static void randomise(struct rng *rng, const struct field_table *table, void *ob
             for (int a = 0; a < 3; a++)
                 ((double *)value)[a] = random_real(rng, row->min, row->max);
             break;
+        case FIELD_ROWS:
+            length = rng_next(rng) % (row->size + 1);
+            *(int64_t *)value = (int64_t)length;
+            for (size_t c = 0; c < length * row->columns; c++)
+                field_rows_numbers(value)[c] = random_real(rng, row->min, row->max);
+            break;
         case FIELD_ENUM:
             *(int *)value = (int)(rng_next(rng) % choices);
             break;
@@ -148,11 +154,6 @@ static void randomise(struct rng *rng, const struct field_table *table, void *ob
             memset(value, 0, row->size);
             for (size_t c = 0; c < length; c++)
                 ((char *)value)[c] = (char)(0x20 + rng_next(rng) % 0x5f);
-            break;
-        case FIELD_ROWS:
-            *(int64_t *)value = (int64_t)(rng_next(rng) % (row->size + 1));
-            for (int64_t n = 0; n < field_rows_count(value) * (int64_t)row->columns; n++)
-                field_rows_numbers(value)[n] = random_real(rng, row->min, row->max);
             break;
         case FIELD_GROUP:
             randomise(rng, row->table, value);
