@@ -245,8 +245,8 @@ void scheduler_start(struct scheduler *s, struct job *job)
             fail_job(s, job, &error);
         return;
     }
-    run->report = job->report; // what is known until the worker says more
-    run->report.ended = run->report.hashed = false;
+    run->report = job->report;                                          // what is known until the worker says more
+    job->report.ended = run->report.ended = run->report.hashed = false; // of the run before, if it was parked
     run->report.head_count = 0;
     run->report.status = job->report.status = SCREE_OK;
     if (!workers_assign(s->workers, run)) { // the idle one has not come back yet

@@ -176,6 +176,14 @@ class Steering(unittest.TestCase):
         self.assertEqual(record["state"], "done")
         self.assertLess(record["steps"], 4e8)
 
+    def test_a_job_that_has_just_been_resumed_can_be_steered(self):
+        self.start()
+        job = self.running(tiny(end_s=1000))
+        for slope in range(20, 28):
+            self.control.ask("pause", {"job": job})
+            self.control.ask("resume", {"job": job})
+            self.control.ask("set", {"job": job, "set": [f"params.slope_deg={slope}"]})
+
     def test_ended_jobs_are_not_steered(self):
         self.start()
         job = self.control.submit(tiny())
