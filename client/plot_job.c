@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A job's force, spectrum, profiles and surface; see plot.h. */
+/* A job's force, spectrum, profiles, surface and collapse; see plot.h. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,11 +9,13 @@
 #include "plot.h"
 #include "plot_chute.h"
 #include "plot_force.h"
+#include "plot_heap.h"
 #include "plot_profiles.h"
 #include "plot_read.h"
 #include "plot_surface.h"
 
 #define FORCE    "basal_force"
+#define HEAP     "heap"
 #define PROFILES "profiles"
 #define SPECTRUM "spectrum" // or its mean, once the job has ended
 #define SURFACE  "surface"
@@ -164,7 +166,8 @@ static int rows_of(const cJSON *record)
 {
     bool force = plot_chunks_of(record, FORCE) > 0;
     return (plot_chunks_of(record, "walls") > 0 ? PLOT_CHUTE_ROWS : 0) + force + (force && has_blows(record)) +
-           (plot_chunks_of(record, SPECTRUM) > 0) + (plot_chunks_of(record, PROFILES) > 0) + (plot_chunks_of(record, SURFACE) > 0);
+           (plot_chunks_of(record, SPECTRUM) > 0) + (plot_chunks_of(record, PROFILES) > 0) + (plot_chunks_of(record, SURFACE) > 0) +
+           (plot_chunks_of(record, HEAP) > 0);
 }
 
 /* Where the next plot goes: a row of `rows`, from the top, under the title. */
@@ -182,6 +185,7 @@ static enum outcome write_script(struct link *link, const cJSON *record, struct 
     struct plot_profiles profiles = {.script = p->script};
     struct plot_chute chute = {.script = p->script};
     struct plot_surface surface = {.script = p->script};
+    struct plot_heap heap = {.script = p->script};
     int row = 0, rows = rows_of(record);
     char heading[200];
     enum outcome outcome = plot_read_chunks(link, id, FORCE, 0, plot_chunks_of(record, FORCE), plot_force_take, t, err);
@@ -193,6 +197,9 @@ static enum outcome write_script(struct link *link, const cJSON *record, struct 
         outcome = read_chute(link, record, &chute, err);
     if (!outcome)
         outcome = plot_read_chunks(link, id, SURFACE, 0, plot_chunks_of(record, SURFACE), plot_surface_take, &surface, err);
+    if (!outcome)
+        outcome = plot_read_chunks(link, id, HEAP, 0, plot_chunks_of(record, HEAP), plot_heap_take, &heap, err);
+    plot_heap_end(&heap);
     if (outcome)
         return outcome;
     snprintf(heading, sizeof heading, "%.20s  %.60s  %.20s  %.20s", id, json_text(record, "scenario"), state,
@@ -220,8 +227,12 @@ static enum outcome write_script(struct link *link, const cJSON *record, struct 
         draw_spectrum(p, record, &spectrum);
         row++;
     }
-    if (profiles.rows > 0)
+    if (profiles.rows > 0) {
         plot_profiles_draw(&profiles, 0.95 - 0.95 * (row + 1) / rows, 0.95 / rows);
+        row++;
+    }
+    if (heap.rows > 0)
+        plot_heap_draw(&heap, record, 0.95 - 0.95 * (row + 1) / rows, 0.95 / rows);
     fprintf(p->script, "unset multiplot\n");
     return OUTCOME_DONE;
 }

@@ -10,8 +10,7 @@ enum scree_status convex_touch(struct convex *c, struct pair *pair, struct scree
     if (c->spares > 0) {
         pair->slot = c->spare[--c->spares];
     } else {
-        enum scree_status status =
-            memory_grow((void **)&c->contact, &c->contact_room, c->contacts + 1, sizeof *c->contact, err);
+        enum scree_status status = memory_grow((void **)&c->contact, &c->contact_room, c->contacts + 1, sizeof *c->contact, err);
         if (status || (status = memory_grow((void **)&c->spare, &c->spare_room, c->contacts + 1, sizeof *c->spare, err)))
             return status;
         pair->slot = (uint32_t)c->contacts++;

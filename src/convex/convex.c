@@ -18,9 +18,9 @@ void convex_free(struct convex *c)
 {
     if (!c)
         return;
-    void *const owned[] = {c->shapes,     c->outlines,   c->own,        c->walls,     c->body,     c->corner,    c->order,
-                           c->near.group, c->near.pair,  c->wall.group, c->wall.pair, c->old.group, c->old.pair, c->contact,
-                           c->spare};
+    void *const owned[] = {c->shapes,    c->outlines,  c->own,        c->walls,     c->body,
+                           c->corner,    c->order,     c->near.group, c->near.pair, c->wall.group,
+                           c->wall.pair, c->old.group, c->old.pair,   c->contact,   c->spare};
     for (size_t k = 0; k < sizeof owned / sizeof *owned; k++)
         free(owned[k]);
     convex_frame_free(c->frame);

@@ -11,7 +11,6 @@
 
 #include <math.h>
 
-
 static double length_of(struct vec3 v)
 {
     return sqrt(vec3_dot(v, v));

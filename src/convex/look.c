@@ -125,8 +125,7 @@ static void show_contact(const struct convex *c, const struct group *g, const st
     vec3_store3(v->force, vec3_scale(force, -1));
     vec3_store3(v->torque_a, vec3_add(torque, vec3_cross(vec3_sub(p->point, vec3_load(a->position)), force)));
     if (b)
-        vec3_store3(v->torque_b,
-                    vec3_scale(vec3_add(torque, vec3_cross(vec3_sub(p->point, vec3_load(b->position)), force)), -1));
+        vec3_store3(v->torque_b, vec3_scale(vec3_add(torque, vec3_cross(vec3_sub(p->point, vec3_load(b->position)), force)), -1));
 }
 
 static size_t show_contacts(const struct convex *c, const struct list *list, bool wall, struct view_contact *to)
@@ -148,8 +147,7 @@ enum scree_status convex_view(struct convex *c, struct view *out, struct scree_e
     if (!c->frame && !(c->frame = make_frame(c)))
         return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory to look at %zu bodies", c->bodies);
     struct frame *f = c->frame;
-    enum scree_status status =
-        memory_grow((void **)&f->contact, &f->room, c->contacts - c->spares + 1, sizeof *f->contact, err);
+    enum scree_status status = memory_grow((void **)&f->contact, &f->room, c->contacts - c->spares + 1, sizeof *f->contact, err);
     if (status)
         return status;
     show_bodies(c, f);

@@ -72,10 +72,10 @@ struct convex {
     struct convex_wall *walls;
     struct body *body; // bodies, filled up to a multiple of four by ones that nothing moves
     size_t bodies;
-    double *corner;   // of all bodies, from their centres along the axes of space, m: see corners_of
-    size_t corners;   // the most that a shape has
-    uint32_t *order;  // bodies along `along`
-    int along;        // the axis that they are spread out along most
+    double *corner;              // of all bodies, from their centres along the axes of space, m: see corners_of
+    size_t corners;              // the most that a shape has
+    uint32_t *order;             // bodies along `along`
+    int along;                   // the axis that they are spread out along most
     struct list near, wall, old; // old: the list that is being replaced
     struct contact *contact;
     size_t contacts, contact_room; // in use and free

@@ -35,20 +35,21 @@ static const struct scree_column heap_columns[] = {
 enum { COLUMNS = sizeof heap_columns / sizeof *heap_columns };
 static const struct scree_column pdf_columns[] = {{"ratio", "1"}, {"density", "1"}};
 static const struct scree_column fabric_columns[] = {{"angle", "deg"}, {"share", "1"}};
-static const struct scree_column region_columns[] = {{"bodies", "1"}, {"contacts", "1"}, {"ground", "1"},
-                                                     {"sides", "1"},  {"gate", "1"}};
-static const struct scree_stream heap_stream = {
-    "heap",
-    "mean speed of the bodies, and over sqrt(g H_0), 0 before the gate goes; centre of mass; highest centre in the rear half of the "
-    "column; how far forward its upper and middle fifths have come",
-    heap_columns, COLUMNS, false};
+static const struct scree_column region_columns[] = {
+    {"bodies", "1"}, {"contacts", "1"}, {"ground", "1"}, {"sides", "1"}, {"gate", "1"}};
+static const struct scree_stream heap_stream = {"heap",
+                                                "mean speed of the bodies, and over sqrt(g H_0), 0 before the gate goes; centre of "
+                                                "mass; highest centre in the rear half of the "
+                                                "column; how far forward its upper and middle fifths have come",
+                                                heap_columns, COLUMNS, false};
 static const struct scree_stream pdf_stream = {
     "force_pdf", "contact forces between bodies over their mean, middle of a bin, when the gate goes", pdf_columns, 2, true};
 static const struct scree_stream fabric_stream = {
-    "fabric", "angles of lines between centres of touching bodies with x, seen along y, when the gate goes", fabric_columns, 2, true};
-static const struct scree_stream region_stream = {
-    "regions", "points of contact when the gate goes: in all, in the half by the gate, in the upper half of that", region_columns, 5,
+    "fabric", "angles of lines between centres of touching bodies with x, seen along y, when the gate goes", fabric_columns, 2,
     true};
+static const struct scree_stream region_stream = {
+    "regions", "points of contact when the gate goes: in all, in the half by the gate, in the upper half of that", region_columns,
+    5, true};
 static const struct scree_stream *const streams[] = {&heap_stream, &pdf_stream, &fabric_stream, &region_stream};
 enum { HEAP, PDF, FABRIC, REGIONS, STREAMS };
 
@@ -90,8 +91,7 @@ static enum scree_status look_at_column(struct state *s, const struct measure_co
 {
     const struct measure_site *site = &context->site;
     struct pile pile;
-    enum scree_status status =
-        pile_measure(view, site->length_x, site->width_y, 0, site->diameter / PIXELS, &pile, err);
+    enum scree_status status = pile_measure(view, site->length_x, site->width_y, 0, site->diameter / PIXELS, &pile, err);
     if (status || (status = measure_buffer_resize(&s->start, 2 * view->bodies, err)))
         return status;
     s->height = pile.height;
@@ -179,7 +179,8 @@ static enum scree_status close(void *state, struct measure_context *context, con
     if (status || (status = series_put_frame(&s->series[PDF], context->sink, context->time_s, pdf[0], FORCE_BINS, err)) ||
         (status = series_put_frame(&s->series[FABRIC], context->sink, context->time_s, fabric[0], FABRIC_BINS, err)))
         return status;
-    return series_put_frame(&s->series[REGIONS], context->sink, context->time_s, &s->packing.region[0].bodies, PACKING_REGIONS, err);
+    return series_put_frame(&s->series[REGIONS], context->sink, context->time_s, &s->packing.region[0].bodies, PACKING_REGIONS,
+                            err);
 }
 _Static_assert(sizeof(struct packing_region) == 5 * sizeof(double), "a region is a row");
 
@@ -211,7 +212,8 @@ static size_t numbers(const void *state, const struct measure_context *context, 
         {"peak_speed", "1", "largest mean speed over sqrt(g H_0) after the gate has gone", s->peak},
         {"centre_shift", "1", "how far the centre of mass came, over its first distance from the back wall",
          s->centre > 0 ? s->now_centre / s->centre - 1 : 0},
-        {"regime", "1", "0 stable, 1 driven from the top, 2 buckling, 3 staggered (src/measure/heap.c has the rules)", regime_of(s)},
+        {"regime", "1", "0 stable, 1 driven from the top, 2 buckling, 3 staggered (src/measure/heap.c has the rules)",
+         regime_of(s)},
     };
     return measure_numbers(out, room, column, context->site.gate ? sizeof column / sizeof *column : 5);
 }

@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-
 extern const struct rigid_scenario rigid_settle, rigid_dam_break;
 
 static const struct rigid_scenario *const all[] = {&rigid_settle, &rigid_dam_break};

@@ -41,7 +41,8 @@ enum scree_status body_points(const struct body_spec *body, struct body_points *
         for (int k = 0; k < numbers; k++)
             if (!read_number(&text, &point[k]))
                 return at(numbers == 4 ? "is not \"x y z r\", four numbers of at most 10 m"
-                                       : "is not \"x y z\", three numbers of at most 10 m", out, err);
+                                       : "is not \"x y z\", three numbers of at most 10 m",
+                          out, err);
         if (numbers == 4 && !(point[3] > 0))
             return at("has no radius above 0", out, err);
         if (*text && *text != ',' && *text != ';')

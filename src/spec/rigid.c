@@ -132,7 +132,8 @@ static const struct field body_fields[] = {
      OF(shape),
      .preset = BODY_CROSS,
      .unit = "",
-     .doc = "cross of two boxes, box, tetrapod of four six-sided legs, sphere, upright prism, cylinder (a thin one is a coin), hulls of "
+     .doc = "cross of two boxes, box, tetrapod of four six-sided legs, sphere, upright prism, cylinder (a thin one is a coin), "
+            "hulls of "
             "points, glued spheres",
      .source = "seed 001 III.B",
      .choices = shapes},
@@ -334,7 +335,8 @@ enum scree_status rigid_check(const struct job_spec *job, const struct body_spec
     if (body->shape >= BODY_HULLS && body_points(body, &points, err))
         return SCREE_INVALID;
     if (job->threads > 1)
-        return scree_fail(err, SCREE_INVALID, "threads", "threads: %lld: worlds of rigid bodies step in one thread, several jobs at once",
+        return scree_fail(err, SCREE_INVALID, "threads",
+                          "threads: %lld: worlds of rigid bodies step in one thread, several jobs at once",
                           (long long)job->threads);
     if (fmin(length, width) < across)
         return scree_fail(err, SCREE_INVALID, fmin(length, width) == length ? path : "params.width_m",

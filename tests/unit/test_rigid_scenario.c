@@ -81,8 +81,8 @@ static void bad_shapes_are_refused(void **state)
     static const struct {
         const char *points, *message;
     } all[] = {
-        {CUBE ", 0.01 0.01 0.01", "no corner"},                           // a dent: not convex
-        {"0 0 0, 0.02 0 0, 0 0.02 0, 0.02 0.02 0", "part 0"},             // flat: no volume
+        {CUBE ", 0.01 0.01 0.01", "no corner"},                                  // a dent: not convex
+        {"0 0 0, 0.02 0 0, 0 0.02 0, 0.02 0.02 0", "part 0"},                    // flat: no volume
         {CUBE ";0.1 0 0, 0.12 0 0, 0.1 0.02 0, 0.1 0 0.02", "shares no volume"}, // apart
     };
     for (size_t k = 0; k < COUNT(all); k++) {
@@ -91,8 +91,8 @@ static void bad_shapes_are_refused(void **state)
         if (!strstr(error.message, all[k].message))
             fail_msg("\"%s\" says nothing of \"%s\"", error.message, all[k].message);
     }
-    static const char *const unreadable[] = {"",        "0 0",          "0 0 0 0",         "0 0 x",     "0 0 0,",
-                                             "0 0 nan", "0x1 0 0",      "0 0 0, 1 2 3; ;", "0 0 1e400", "0 0 11"};
+    static const char *const unreadable[] = {"",        "0 0",     "0 0 0 0",         "0 0 x",     "0 0 0,",
+                                             "0 0 nan", "0x1 0 0", "0 0 0, 1 2 3; ;", "0 0 1e400", "0 0 11"};
     for (size_t k = 0; k < COUNT(unreadable); k++) {
         settle(BODY_HULLS, unreadable[k]);
         struct scree_error err = {0};
@@ -130,14 +130,20 @@ static void no_instruction_set_shows(void **state)
     for (size_t k = 0; k < COUNT(all); k++) {
         uint64_t hash[CPU_ISA_COUNT + 1] = {0};
         settle(all[k].shape, all[k].points);
-        job.rigid.stiffness = 4.5e4;
+        job.rigid.stiffness = all[k].shape == BODY_HULLS ? 4.5e6 : 4.5e4; // cubes weigh 25 times as much as crosses
         job.time.step_s = 8e-6;
         assert_int_equal(make(), SCREE_OK);
         for (enum cpu_isa isa = CPU_V2; isa < CPU_ISA_COUNT && cpu_has(isa); isa++) {
             struct convex *world = NULL;
             plan.setup.isa = cpu_isa_name(isa);
             assert_int_equal(convex_create(&plan.setup, &world, &error), SCREE_OK);
-            assert_int_equal(convex_advance(world, 12000, &error), SCREE_OK);
+            size_t met = 0;
+            for (int slice = 0; slice < 60; slice++) {
+                assert_int_equal(convex_advance(world, 200, &error), SCREE_OK);
+                met += convex_sums(world).contacts + convex_sums(world).contacts_wall;
+            }
+            if (met == 0)
+                fail_msg("shape %zu has not met anything", k);
             struct convex_image image;
             struct convex *again = NULL;
             assert_int_equal(convex_save(world, &image, &error), SCREE_OK);
@@ -145,8 +151,6 @@ static void no_instruction_set_shows(void **state)
             convex_image_free(&image);
             assert_int_equal(convex_advance(world, 3000, &error), SCREE_OK);
             assert_int_equal(convex_advance(again, 3000, &error), SCREE_OK);
-            if (convex_sums(world).contacts == 0)
-                fail_msg("shape %zu: %zu contacts", k, convex_sums(world).contacts);
             hash[isa] = convex_hash(world);
             assert_true(hash[isa] == convex_hash(again) && hash[isa] == hash[0]);
             if (all[k].shape == BODY_CROSS && convex_counts(world).bytes >= 8000 * plan.setup.body_count)
@@ -161,8 +165,8 @@ static void no_instruction_set_shows(void **state)
 static void network_on_a_made_up_view(void **state)
 {
     (void)state;
-    struct view_body body[3] = {{.mass = 1, .position = {0.2, 0, 0.2}}, {.mass = 1, .position = {0.8, 0, 0.2}},
-                                {.mass = 2, .position = {0.8, 0, 0.8}}};
+    struct view_body body[3] = {
+        {.mass = 1, .position = {0.2, 0, 0.2}}, {.mass = 1, .position = {0.8, 0, 0.2}}, {.mass = 2, .position = {0.8, 0, 0.8}}};
     struct view_contact contact[] = {
         {.a = 0, .b = 1, .point = {0.5, 0, 0.2}, .force = {3, 0, 0}},
         {.a = 1, .b = 2, .point = {0.8, 0, 0.6}, .force = {0, 0, 1}},
