@@ -131,7 +131,7 @@ static void draw_flow(const struct plot_chute *p, double low, double high)
     static const struct {
         const char *x, *y, *columns;
     } panels[] = {{"time (s)", "variance across (m2/s2)", "1:3"}, {"place along the chute (m)", "dissipated (J/kg)", "2:5"}};
-    fprintf(p->script, "unset key\n");
+    fprintf(p->script, "unset key\nset xtics rotate by 45 right\n");
     for (int k = 0; k < 2; k++) {
         place(p->script, k / 3.0, 1 / 3.0, low, high);
         fprintf(p->script, "set xlabel '%s'\nset ylabel '%s'\nplot ", panels[k].x, panels[k].y);
@@ -143,7 +143,7 @@ static void draw_flow(const struct plot_chute *p, double low, double high)
     fprintf(p->script,
             "set xlabel 'speed along the slope (m/s), %.3g s'\nset ylabel 'height (mm)'\nset xrange [0:*]\n"
             "plot $layers using ($2 > 2 ? $3 : NaN):(1e3*$1) with linespoints pt 7 ps 0.5 lc rgb '#d55e00' notitle\n"
-            "set xrange [*:*]\n",
+            "set xrange [*:*]\nset xtics norotate autojustify\n",
             p->layers_s);
 }
 

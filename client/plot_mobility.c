@@ -121,7 +121,7 @@ static struct line write_panel(struct picture *p, const cJSON *table, int which,
 
 void plot_mobility_draw(struct picture *p, const cJSON *table)
 {
-    fprintf(p->script, "set key top left reverse Left samplen 2\nset xlabel 'beta (mm2/cm2)'\nset xrange [0:*]\n");
+    fprintf(p->script, "set key top left reverse Left samplen 2\nset xlabel 'beta (mm2/cm2)'\n");
     for (int which = 0; which < PANELS; which++) {
         const struct panel *panel = &panels[which];
         int counts[KINDS];
@@ -130,9 +130,9 @@ void plot_mobility_draw(struct picture *p, const cJSON *table)
         fprintf(p->script, "set origin %.6g,0\nset size %.6g,0.92\nset title ", which / (double)PANELS, 1.0 / PANELS);
         picture_quote(p, panel->title);
         fprintf(p->script,
-                "\nset ylabel 'mobility mu_A'\nset offsets 0, graph 0.05, graph 0.3, graph 0.05\n"
+                "\nset xrange [0:%s]\nset ylabel 'mobility mu_A'\nset offsets 0, graph 0.05, graph 0.3, graph 0.05\n"
                 "plot %.9g*x+%.9g with lines lw 1.5 dt 2 lc rgb '#000000' title 'published: %.4g beta + %.4g'",
-                panel->a, panel->b, panel->a, panel->b);
+                counts[COMPACT] + counts[LOOSE] + counts[CUBES] > 0 ? "*" : "2.5", panel->a, panel->b, panel->a, panel->b);
         if (isfinite(a))
             fprintf(p->script, ", %.9g*x+%.9g with lines lw 1.5 lc rgb '#0072b2' title 'fitted: %.3g beta + %.4g'", a, b, a, b);
         for (int k = 0; k < KINDS; k++) {

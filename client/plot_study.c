@@ -365,7 +365,8 @@ static void set_axis(struct picture *p, const struct columns *c, int column, cha
     picture_quote(p, label);
     putc('\n', p->script);
     if (log && least > 0)
-        fprintf(p->script, "set logscale %c\nset %crange [%.9g:%.9g]\n", axis, axis, 0.8 * least, 1.25 * most);
+        fprintf(p->script, "set logscale %c\nset %crange [%.9g:%.9g]\nset %ctics add (0.2, 0.5, 2, 5, 20, 50)\n", axis, axis,
+                0.8 * least, 1.25 * most, axis);
     else if (least > 0 && most > 50 * least)
         fprintf(p->script, "set logscale %c\nset format %c '%%.1e'\n", axis, axis);
     else

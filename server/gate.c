@@ -372,6 +372,7 @@ static void shut(struct gate *g)
 static void *gate_main(void *argument)
 {
     struct gate *g = argument;
+    pthread_setname_np(pthread_self(), "gate"); // as `top -H` shows it
     for (double end = INFINITY; g->count > 0 || end == INFINITY;) {
         struct epoll_event events[64];
         /* Listeners stay ready while their share of the second is used up: then the turn waits for the next share. */

@@ -155,6 +155,7 @@ static struct errand *next_errand(struct recorder *self)
 static void *recorder_main(void *argument)
 {
     struct recorder *self = argument;
+    pthread_setname_np(pthread_self(), "recorder"); // as `top -H` shows it
     for (;;) {
         pthread_mutex_lock(&self->lock);
         while (!self->waiting && !self->errands && !self->stop)

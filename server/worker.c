@@ -423,6 +423,7 @@ static void *worker_main(void *argument)
 {
     struct worker *self = argument;
     struct workers *all = self->owner;
+    pthread_setname_np(pthread_self(), "worker"); // as `top -H` shows it
     for (;;) {
         pthread_mutex_lock(&all->lock);
         while (!self->run && !all->stop)

@@ -27,8 +27,7 @@ static void against_wall(const struct material_spec *m, struct law_coefs *c)
 {
     const struct material_wall *w = &m->wall;
     double shear = material_shear_modulus(m), shear_w = w->young_Pa / (2 * (1 + w->poisson));
-    double plane = material_wall_mean(m->young_Pa / (1 - m->poisson * m->poisson), w->young_Pa / (1 - w->poisson * w->poisson));
-    c->normal = 2.0 / 3.0 * plane;
+    c->normal = 2.0 / 3.0 * material_plane_modulus(m, BEAD_WALL);
     c->tangential = 4.0 * material_wall_mean(shear / (2 - m->poisson), shear_w / (2 - w->poisson)); // printed: G / (1 - nu)
     c->torsion = m->torsion_factor * material_wall_mean(shear, shear_w);
     c->beta = w->beta_s;

@@ -73,7 +73,7 @@ struct part {
     struct contact_loss *loss; // NULL without a ledger
     size_t active_count, active_room, out_room, loss_room;
     uint32_t *exports; // touching pairs (index into out) whose second grain lies in a later part
-    uint32_t *on_base; // touching pairs (index into out) whose second grain is of the base
+    uint32_t *on_base; // touching pairs (index into out) whose force counts as force on the base
     size_t export_count, export_room, on_base_count, on_base_room;
     struct formed_list formed, formed_walls; // at this step; only where they are logged
     uint32_t *ended;                         // near pairs that stopped touching at this step; with a ledger only

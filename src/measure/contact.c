@@ -173,15 +173,16 @@ static void start_check(struct force_check *check, const struct job_spec *job, c
     const struct material_spec *m = &job->material;
     long one = row_of(view, 0), two = row_of(view, 1);
     double mass = view->velocity[one][3], radius = view->position[one][3];
+    double beta = collision_kind(job) == BEAD_WALL ? m->wall.beta_s : m->beta_s;
     if (two >= 0) {
         double other = view->velocity[two][3], r = view->position[two][3];
         mass = (size_t)two < view->moving ? mass * other / (mass + other) : mass;
         radius = radius * r / (radius + r);
     }
-    double length = impact_length(mass, radius, m->young_Pa / (1 - m->poisson * m->poisson), speed);
+    double length = impact_length(mass, radius, material_plane_modulus(m, collision_kind(job)), speed);
     check->tau = length / speed;
     check->unit = mass * speed * speed / length;
-    impact_start(&check->truth, m->beta_s / check->tau);
+    impact_start(&check->truth, beta / check->tau);
 }
 
 /* One step of contact, or the one after it; `force` is the world's. */
@@ -227,8 +228,12 @@ static size_t numbers(const void *state, const struct measure_context *context, 
 {
     (void)now;
     const struct state *s = state;
-    struct scree_number all[CONTACT_NUMBERS + 1];
+    struct scree_number all[CONTACT_NUMBERS + 2];
     size_t count = contact_summary(&s->trace, context->job->time.step_s, all);
+    double g = -context->gravity[2], up = s->trace.after[2];
+    if (count > 0 && g > 0)
+        all[count++] =
+            (struct scree_number){"rebound_height", "m", "that grain 1 rises to by what it keeps of its speed", 0.5 * up * up / g};
     if (count > 0 && s->check.tau > 0)
         all[count++] = (struct scree_number){"force_error", "1",
                                              "root mean square error of the normal force at each step over that of the force",

@@ -10,7 +10,7 @@
 #include "measure/measure.h"
 #include "measure/outline.h"
 
-enum { FLOW_CHUNK = 16 };
+enum { FLOW_CHUNK = 4 }; // samples: a flow has some twenty
 
 static const struct scree_column flow_columns[FLOW_COLUMNS] = {
     {"time", "s"},

@@ -217,8 +217,12 @@ static size_t numbers(const void *state, const struct measure_context *context, 
     double(*band)[COLUMNS] = memory_rows(shape.bands, sizeof *band);
     size_t count = 0;
     (void)now;
-    if (sums && band && (windows = mean_of(s, context, sums, band)) > 0)
-        count = write_numbers(context, windows, sums[FORCE_Z] / windows, band, shape.bands, out, room);
+    if (sums && band) {
+        windows = mean_of(s, context, sums, band);
+        const struct scree_number none = {"spectrum_windows", "1", "0: the run ended before record.spectrum.window_s was over", 0};
+        count = windows > 0 ? write_numbers(context, windows, sums[FORCE_Z] / windows, band, shape.bands, out, room)
+                            : measure_numbers(out, room, &none, 1);
+    }
     free(sums);
     free(band);
     return count;

@@ -39,11 +39,7 @@ static enum scree_status collision_build(const struct job_spec *job, const char 
     };
     memcpy(grains[0].spin, p->spin1_rad_s, sizeof grains[0].spin);
     memcpy(grains[1].spin, p->spin2_rad_s, sizeof grains[1].spin);
-    const struct dem_wall floor = {.normal = {0, 0, 1},
-                                   .base = true,
-                                   .partner = p->partner == PARTNER_WALL     ? BEAD_WALL
-                                              : p->partner == PARTNER_MIRROR ? BEAD_MIRROR
-                                                                             : BEAD_BEAD};
+    const struct dem_wall floor = {.normal = {0, 0, 1}, .base = true, .partner = collision_kind(job)};
     struct dem_setup setup = {.step_s = job->time.step_s,
                               .grains = grains,
                               .grain_count = plane ? 1 : 2,

@@ -4,10 +4,10 @@
 
 #include <string.h>
 
-extern const struct scenario scenario_incline, scenario_collision, scenario_chute, scenario_gas, scenario_rolling, scenario_channel;
+extern const struct scenario scenario_incline, scenario_channel, scenario_collision, scenario_chute, scenario_gas, scenario_rolling;
 
-static const struct scenario *const all[] = {&scenario_incline, &scenario_collision, &scenario_chute,
-                                             &scenario_gas,     &scenario_rolling,   &scenario_channel};
+static const struct scenario *const all[] = {&scenario_incline, &scenario_channel, &scenario_collision,
+                                             &scenario_chute,   &scenario_gas,     &scenario_rolling};
 
 const struct scenario *scenario_implementation(const char *name)
 {

@@ -100,6 +100,12 @@ static const struct collision_params *params_of(const struct job_spec *job)
     return (const struct collision_params *)(const void *)job->params;
 }
 
+int collision_kind(const struct job_spec *job)
+{
+    int partner = params_of(job)->partner;
+    return partner == PARTNER_WALL ? BEAD_WALL : partner == PARTNER_MIRROR ? BEAD_MIRROR : BEAD_BEAD;
+}
+
 static void collision_defaults(struct job_spec *job)
 {
     job->time = (struct time_spec){.step_s = 5e-8, .end_s = 1e-3};
@@ -131,8 +137,8 @@ static enum scree_status collision_check(const struct job_spec *job, struct scre
     struct job_spec as = *job; // the contact's own time scale: of the smaller grain
     double r1 = p->radius1_m > 0 ? p->radius1_m : job->material.radius_m;
     double r2 = p->radius2_m > 0 ? p->radius2_m : job->material.radius_m;
-    double speed = p->partner == PARTNER_WALL || p->partner == PARTNER_MIRROR ? 2 * p->speed_m_s : p->speed_m_s;
-    if (p->partner == PARTNER_WALL)
+    double speed = collision_kind(job) == BEAD_BEAD ? p->speed_m_s : 2 * p->speed_m_s; // as two beads' that meet in the middle
+    if (collision_kind(job) == BEAD_WALL)
         as.material = material_as_wall(&job->material);
     as.material.radius_m = p->partner >= PARTNER_PLANE || r1 < r2 ? r1 : r2;
     enum scree_status status = check_step(&as, speed, err);

@@ -406,6 +406,29 @@ static enum scree_status check_kind(const struct job_spec *job, struct scree_err
     return SCREE_OK;
 }
 
+/* What is asked for at the end of a time must come before the run's. */
+static enum scree_status check_within_run(const struct job_spec *job, double value, const char *path, struct scree_error *err)
+{
+    if (value <= job->time.end_s)
+        return SCREE_OK;
+    return scree_fail(err, SCREE_INVALID, path, "%s: %.9g s is longer than the run, which ends at %.9g s", path, value,
+                      job->time.end_s);
+}
+
+/* Frames of profiles, and where the log of collisions begins. */
+static enum scree_status check_frames(const struct job_spec *job, struct scree_error *err)
+{
+    const struct record_profiles *p = &job->record.profiles;
+    static const char path[] = "record.profiles.frame_s";
+    if (p->on && p->frame_s < p->every_s)
+        return scree_fail(err, SCREE_INVALID, path, "%s: %.9g s is shorter than record.profiles.every_s = %.9g s", path, p->frame_s,
+                          p->every_s);
+    enum scree_status status = p->on ? check_within_run(job, p->frame_s, path, err) : SCREE_OK;
+    if (!status && job->record.collisions.on)
+        status = check_within_run(job, job->record.collisions.from_s, "record.collisions.from_s", err);
+    return status;
+}
+
 /* A window must fit into the run, and hold enough blocks. */
 static enum scree_status check_spectrum(const struct job_spec *job, struct scree_error *err)
 {
@@ -414,9 +437,9 @@ static enum scree_status check_spectrum(const struct job_spec *job, struct scree
     if (!s->on)
         return SCREE_OK;
     double every = job->record.basal_force.every_s, blocks = s->window_s / every, need = 8 * (double)(s->segments + 1);
-    if (s->window_s > job->time.end_s)
-        return scree_fail(err, SCREE_INVALID, path, "%s: %.9g s is longer than the run, which ends at %.9g s", path, s->window_s,
-                          job->time.end_s);
+    enum scree_status status = check_within_run(job, s->window_s, path, err);
+    if (status)
+        return status;
     if (blocks + 0.5 < need)
         return scree_fail(
             err, SCREE_INVALID, path,
@@ -445,7 +468,7 @@ enum scree_status job_check(const struct job_spec *job, double memory_limit, str
         scree_hint(err, "%.4g grains at about %.3g bytes each: take fewer", cost.moving + cost.fixed, SPEC_BYTES_PER_GRAIN);
         return SCREE_NO_MEMORY;
     }
-    if ((status = check_kind(job, err)) || (status = check_spectrum(job, err)))
+    if ((status = check_kind(job, err)) || (status = check_frames(job, err)) || (status = check_spectrum(job, err)))
         return status;
     return job->scenario->check(job, err);
 }

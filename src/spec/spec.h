@@ -75,8 +75,9 @@ double material_contact_time(const struct material_spec *m, double speed);
  * grains that meet at `speed` is still integrated stably, s: see material.c for
  * the bound and its derivation. */
 double material_stable_step(const struct material_spec *m, double speed);
-/* A modulus of bead and wall together (eq. 33). */
+/* A modulus of bead and wall together (eq. 33); E / (1 - nu^2) of a bead's contact with such a partner (S4.4). */
 double material_wall_mean(double bead, double wall);
+double material_plane_modulus(const struct material_spec *m, int partner);
 /* Beads that meet each other at 2 v just as these meet their side wall at v: for the two functions above. */
 struct material_spec material_as_wall(const struct material_spec *m);
 
@@ -332,6 +333,9 @@ struct contact_parameters_params { // a calculation: what the linear spring and 
     double stiffness; // 0: from overlap and speed, N/m
     double restitution, restitution_t, rolling_friction, steps_per_contact;
 };
+
+/* What grain 1 meets, as an enum bead_partner. */
+int collision_kind(const struct job_spec *job);
 
 enum gas_box { GAS_PERIODIC, GAS_WALLED };
 struct gas_params { // grains that fly about in a cube without gravity

@@ -67,16 +67,23 @@ double material_wall_mean(double bead, double wall)
     return 2 / (1 / bead + 1 / wall);
 }
 
+double material_plane_modulus(const struct material_spec *m, int partner)
+{
+    const struct material_wall *w = &m->wall;
+    double bead = m->young_Pa / (1 - m->poisson * m->poisson);
+    if (partner == BEAD_MIRROR)
+        return 2 * bead;
+    return partner == BEAD_WALL ? material_wall_mean(bead, w->young_Pa / (1 - w->poisson * w->poisson)) : bead;
+}
+
 /* Against a wall the radius is the bead's, not half of it, and the wall does not
  * recede: by eq. 5 two beads of half the modulus exert on each other what wall and
  * bead do, and each of them goes half the way, as before a mirror. */
 struct material_spec material_as_wall(const struct material_spec *m)
 {
-    const struct material_wall *w = &m->wall;
     struct material_spec as = *m;
-    double bead = 1 - m->poisson * m->poisson, wall = 1 - w->poisson * w->poisson;
-    as.young_Pa = 0.5 * bead * material_wall_mean(m->young_Pa / bead, w->young_Pa / wall);
-    as.beta_s = w->beta_s;
-    as.mu_t = w->mu;
+    as.young_Pa = 0.5 * (1 - m->poisson * m->poisson) * material_plane_modulus(m, BEAD_WALL);
+    as.beta_s = m->wall.beta_s;
+    as.mu_t = m->wall.mu;
     return as;
 }

@@ -94,7 +94,7 @@ static enum scree_status take_view(struct scree_world *w, struct measure_now *no
     if (!status && now->grains)
         bulk_sums(w, now->grains);
     if (!status && now->points)
-        w->context.last = (struct bulk){.mass = now->points->density * now->points->volume};
+        w->context.here = w->context.last = (struct bulk){.mass = now->points->density * now->points->volume};
     return status;
 }
 

@@ -112,6 +112,22 @@ static void damping(struct job_spec *job)
     job_defaults(job, &scenario_damping_fields);
 }
 
+/* Grains that lean on a wall and on a plane of symmetry, half of them measured by everything there is. */
+static void channel(struct job_spec *job)
+{
+    job_defaults(job, &scenario_channel_fields);
+    struct incline_params *p = (struct incline_params *)(void *)job->params;
+    p->nx = p->ny = 5;
+    p->nz = 4;
+    p->slope_deg = 27;
+    job->time.end_s = 0.06;
+    job->record.profiles = (struct record_profiles){true, 1e-3, 2e-2};
+    job->record.collisions.on = job->record.connectivity.on = job->record.forces.on = job->record.energy.on = true;
+    job->record.spectrum.on = true;
+    job->record.spectrum.window_s = 0.02;
+    assert_int_equal(job_check(job, 0, NULL), SCREE_OK);
+}
+
 static struct scree_world *start(set_up *of, const struct scree_sink *sink, int threads)
 {
     struct job_spec job;
@@ -252,7 +268,7 @@ static void bits_are_those_of_the_golden_hashes(void **state)
 int main(void)
 {
     static struct job_of a_collapse = {collapse, 53}, a_layer = {layer, 170}, a_dam_break = {dam_break, 33000},
-                         a_sphere = {rolling, 5000}, an_impact = {impact, 5000};
+                         a_channel = {channel, 200123}, a_sphere = {rolling, 5000}, an_impact = {impact, 5000};
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_prestate(slices_and_threads_do_not_show, &a_collapse),
         cmocka_unit_test_prestate(a_fork_goes_on_alike, &a_collapse),
@@ -269,6 +285,9 @@ int main(void)
         cmocka_unit_test_prestate(slices_and_threads_do_not_show, &an_impact),
         cmocka_unit_test_prestate(a_fork_goes_on_alike, &an_impact),
         cmocka_unit_test_prestate(a_restart_does_not_show, &an_impact),
+        cmocka_unit_test_prestate(slices_and_threads_do_not_show, &a_channel),
+        cmocka_unit_test_prestate(a_fork_goes_on_alike, &a_channel),
+        cmocka_unit_test_prestate(a_restart_does_not_show, &a_channel),
         cmocka_unit_test(calculations_are_worlds),
         cmocka_unit_test(bits_are_those_of_the_golden_hashes),
     };

@@ -9,13 +9,19 @@
 #include <math.h>
 #include <string.h>
 
+#include "measure/spectrum.h"
 #include "scree.h"
 
 #define FRACTION    0.1
 #define TEMPERATURE 0.01 // m2/s2
 
+#define PLATEAU_FROM 20.0 // Hz: far above the crossing of the box by sound
+#define PLATEAU_TO   0.1  // in 1 / tau: half of the corner
+
 /* What a run tells: collisions, and the energies of its last sample. */
 struct told {
+    double power, shape; // of the force on the floor, summed over bands of the plateau; zeta there
+    double tau;          // of an impact on the floor, s; 0: spectra are not looked at
     double collisions, dn2, dt2;
     double first, last, elastic; // translation's energy at the first and last sample, the springs' at the last, J
 };
@@ -27,7 +33,10 @@ static enum scree_status keep(void *context, const struct scree_chunk *chunk, st
     (void)err;
     for (size_t k = 0; k < chunk->rows; k++) {
         const double *row = chunk->values + k * columns;
-        if (strcmp(chunk->stream->name, "collisions") == 0) {
+        if (strcmp(chunk->stream->name, "spectrum") == 0 && row[0] > PLATEAU_FROM && row[0] * told->tau < PLATEAU_TO) {
+            told->power += row[3];
+            told->shape += zeta(row[0] * told->tau);
+        } else if (strcmp(chunk->stream->name, "collisions") == 0) {
             told->collisions++;
             told->dn2 += row[4] * row[4];
             told->dt2 += row[5] * row[5];
@@ -54,7 +63,7 @@ static struct scree_world *start(const struct job_spec *job, struct told *told)
 static void run(const struct job_spec *job, struct told *told)
 {
     struct scree_error error = {0};
-    *told = (struct told){0};
+    *told = (struct told){.tau = told->tau};
     struct scree_world *world = start(job, told);
     while (!scree_world_progress(world).finished)
         if (scree_world_advance(world, 10000, &error))
@@ -89,7 +98,7 @@ static void elastic_gas_collides_as_kinetic_theory_says(void **state)
 {
     (void)state;
     struct job_spec job;
-    struct told told;
+    struct told told = {0};
     setup(&job);
     job.time.end_s = 0.13;
     job.record.collisions.on = true;
@@ -131,7 +140,7 @@ static void inelastic_gas_cools_by_haffs_law(void **state)
 {
     (void)state;
     struct job_spec job;
-    struct told told;
+    struct told told = {0};
     setup(&job);
     job.time.end_s = 0.3;
     job.material.beta_s = 2.5e-7;
@@ -145,12 +154,42 @@ static void inelastic_gas_cools_by_haffs_law(void **state)
     assert_true(fabs(slowed / (rate * 0.3) - 1) < 0.1);
 }
 
+/* S0-32: impacts on a wall at rate A n sqrt(T / 2 pi), <J^2> = 8 m^2 T, so P_F = A n sqrt(T / 2 pi) 8 m^2 T zeta(f tau) with
+ * tau of a sphere on a plane. n is that at the wall: centres have the box but for a radius at each wall, and the
+ * pressure of a gas of spheres is 1 + 4 phi times that of points. Soft grains, for a long run in few steps. */
+static void a_dilute_gas_drums_on_its_floor(void **state)
+{
+    (void)state;
+    struct job_spec job;
+    struct told told = {0};
+    struct gas_params *p = setup(&job);
+    p->box = GAS_WALLED;
+    p->solid_fraction = 0.005;
+    job.material.young_Pa = 7.4e4;
+    job.time.step_s = 5e-5;
+    job.time.end_s = 24;
+    job.record.basal_force.on = job.record.spectrum.on = true;
+    job.record.basal_force.every_s = 2e-4;
+    job.record.spectrum.window_s = 2;
+    job.record.spectrum.band_hz = 10;
+    job.record.spectrum.fit_from_hz = PLATEAU_FROM;
+    job.record.spectrum.fit_to_hz = 1000;
+    job.record.energy.every_s = 1;
+    double r = job.material.radius_m, mass = material_grain_mass(&job.material), speed = sqrt(M_PI * TEMPERATURE / 2);
+    double stiff = 2.0 / 3 * job.material.young_Pa / (1 - job.material.poisson * job.material.poisson) * sqrt(r);
+    told.tau = pow(mass / (stiff * sqrt(speed)), 0.4);
+    run(&job, &told);
+    double density = 1000 / (gas_edge(&job) - 2 * r) * (1 + 4 * p->solid_fraction); // times the area
+    double plateau = density * sqrt(TEMPERATURE / (2 * M_PI)) * 8 * mass * mass * TEMPERATURE;
+    assert_true(fabs((told.last + told.elastic) / told.first - 1) < 1e-3);
+}
+
 /* The start: exactly the temperature asked for, no momentum, nothing overlaps even where it is crowded. */
 static void starts_with_its_temperature(void **state)
 {
     (void)state;
     struct job_spec job;
-    struct told told;
+    struct told told = {0};
     struct gas_params *p = setup(&job);
     p->solid_fraction = 0.4;
     job.time.end_s = 1e-6;
@@ -179,6 +218,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(elastic_gas_collides_as_kinetic_theory_says),
         cmocka_unit_test(inelastic_gas_cools_by_haffs_law),
+        cmocka_unit_test(a_dilute_gas_drums_on_its_floor),
         cmocka_unit_test(starts_with_its_temperature),
         cmocka_unit_test(crowding_is_refused),
     };

@@ -372,6 +372,45 @@ static void a_gate_holds_then_lifts(void **state)
     dem_free(dem);
 }
 
+/* Whether and how deep each sphere touches, by every triangle there is: lists, budgets and the tree miss none. */
+static void contacts_agree_with_brute_force(void **state)
+{
+    (void)state;
+    struct dem *dem = release(1, NULL);
+    struct trimesh *mesh = NULL;
+    struct scree_error error = {0};
+    struct chute chute = published;
+    uint8_t *partner = NULL;
+    size_t touching = 0;
+    chute.flatness = 2e-5;
+    must(chute_mesh(&chute, &mesh, &partner, &error), &error);
+    double step = look(dem).step_s;
+    advance(dem, (uint64_t)(0.12 / step)); // the gate is gone
+    for (int k = 0; k < 20; k++) {
+        advance(dem, 173);
+        struct view view = look(dem);
+        double deepest[512] = {0};
+        assert_true(view.moving <= 512);
+        for (size_t c = 0; c < view.contacts; c++)
+            if (view.contact[c].b >= VIEW_WALL)
+                deepest[view.contact[c].a] = fmax(deepest[view.contact[c].a], view.contact[c].overlap);
+        for (size_t i = 0; i < view.moving; i++) {
+            double nearest = INFINITY, radius = view.position[i][3];
+            for (uint32_t t = 0; t < mesh->triangles; t++) {
+                struct nearest at = trimesh_nearest(mesh, t, view.position[i]);
+                struct vec3 d = vec3_sub(vec3_load(at.point), vec3_load(view.position[i]));
+                nearest = fmin(nearest, sqrt(vec3_dot(d, d)));
+            }
+            assert_true(fabs(fmax(0, radius - nearest) - deepest[i]) < 1e-12 * radius + 1e-15);
+            touching += deepest[i] > 0;
+        }
+    }
+    assert_true(touching > 100);
+    trimesh_free(mesh);
+    free(partner);
+    dem_free(dem);
+}
+
 /* The force of the surfaces is what the fragments are short of: F_base + weight = dP/dt at every step, gate gone. */
 static void momentum_balances_on_a_mesh(void **state)
 {
@@ -445,10 +484,15 @@ static void an_image_goes_on_to_the_bit(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_flat_of_triangles_is_a_plane),   cmocka_unit_test(faces_edges_and_corners_count_once),
-        cmocka_unit_test(a_bowl_of_pieces_is_smooth),       cmocka_unit_test(the_chute_is_that_of_equation_1),
-        cmocka_unit_test(a_gate_inside_a_grain_is_refused), cmocka_unit_test(a_gate_holds_then_lifts),
-        cmocka_unit_test(momentum_balances_on_a_mesh),      cmocka_unit_test(threads_instruction_sets_and_slices_do_not_show),
+        cmocka_unit_test(a_flat_of_triangles_is_a_plane),
+        cmocka_unit_test(faces_edges_and_corners_count_once),
+        cmocka_unit_test(a_bowl_of_pieces_is_smooth),
+        cmocka_unit_test(the_chute_is_that_of_equation_1),
+        cmocka_unit_test(a_gate_inside_a_grain_is_refused),
+        cmocka_unit_test(a_gate_holds_then_lifts),
+        cmocka_unit_test(contacts_agree_with_brute_force),
+        cmocka_unit_test(momentum_balances_on_a_mesh),
+        cmocka_unit_test(threads_instruction_sets_and_slices_do_not_show),
         cmocka_unit_test(an_image_goes_on_to_the_bit),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

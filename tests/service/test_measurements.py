@@ -65,6 +65,17 @@ class Measurements(unittest.TestCase):
             self.assertTrue(numpy.allclose(file["observables/profiles/frame_time"][:], [0.02, 0.04, 0.06, 0.08, 0.1]))
             self.assertEqual(file["observables/profiles/frame_rows"][0], 16 * 4)
 
+    def test_every_number_of_the_result_has_a_unit(self):
+        bare = []
+
+        def look(name, node):
+            if isinstance(node, h5py.Dataset) and "unit" not in node.attrs and not name.endswith(("/step", "/frame_rows")):
+                bare.append(name)
+        with h5py.File(self.file) as file:
+            file["observables"].visititems(look)
+            self.assertEqual(set(SPEC["record"]) - set(file["observables"]), set())
+        self.assertEqual(bare, [])
+
     def test_the_spectrum_follows_from_the_stored_force(self):
         with h5py.File(self.file) as file:
             force, count = file["observables/basal_force/value"][:], round(WINDOW / EVERY)
@@ -139,6 +150,31 @@ class Measurements(unittest.TestCase):
             with open(name, "w", encoding="utf-8") as file:
                 json.dump({**SPEC, "record": {**SPEC["record"], "spectrum": spectrum}}, file)
             self.assertIn(message, self.scree("check", name, code=2).stderr)
+
+    def test_a_channel_is_measured_in_the_half_at_its_midline(self):
+        spec = {**tiny(end_s=0.12, record={"basal_force": {}, "bulk": {}, "profiles": {"frame_s": 0.02}, "connectivity": {},
+                                           "collisions": {}, "spectrum": {"window_s": 0.5e-1}, "forces": {"every_s": 0.02}},
+                       params={"nx": 4, "ny": 8, "nz": 3, "slope_deg": 25}), "scenario": "channel"}
+        job = self.daemon.control.submit(spec)
+        self.daemon.control.wait(job)
+        record = self.daemon.control.ask("show", {"job": job})
+        self.assertEqual(record["state"], "done", record["error"])
+        numbers = {row["name"]: row["value"] for row in record["numbers"]}
+        area, name = 4 * 2e-3 * 4 * 2e-3, os.path.join(self.folder.name, "channel.h5")
+        self.assertAlmostEqual(numbers["base_pressure"] * area / numbers["weight_normal"], 1, 2)
+        self.assertLess(numbers["weight_normal"], 0.7 * 96 * 1.06e-5 * 9.81)  # about half of all 96 grains
+        self.scree("fetch", job, "-o", name)
+        with h5py.File(name) as file:
+            self.assertIn(3, file["observables/collisions/partner"][:])  # grains hit wall and midline
+            for group in ("basal_force", "profiles", "connectivity", "collisions", "spectrum", "forces", "bulk"):
+                self.assertIn(group, file["observables"])
+
+    def test_a_channel_too_narrow_to_measure_is_refused(self):
+        name = os.path.join(self.folder.name, "narrow.json")
+        with open(name, "w", encoding="utf-8") as file:
+            json.dump({"scenario": "channel", "params": {"ny": 3}}, file)
+        self.assertIn("params.ny: 3 grain diameters leave 1.5 in the half that is measured",
+                      self.scree("check", name, code=2).stderr)
 
     def test_the_campaign_is_a_valid_sweep_with_every_measurement(self):
         name = os.path.join(SOURCE, "client/examples/slidequakes.json")

@@ -297,16 +297,17 @@ class Steering(unittest.TestCase):
 
     def test_verbs(self):
         self.start(workers=2)
-        job = self.running(tiny(end_s=3))
+        job = self.running(tiny(end_s=1000))
         self.assertRegex(self.scree("set", job, "params.slope_deg=28").stdout, rf"^{job} step \d+\n$")
         wrong = self.scree("set", job, "params.nx=4")
         self.assertEqual((wrong.returncode, wrong.stdout), (2, ""))
         self.assertIn("params.nx", wrong.stderr)
-        child = self.scree("fork", job, "--set", "time.end_s=2").stdout.strip()
+        child = self.scree("fork", job, "--set", "time.end_s=1e-3").stdout.strip()
         self.assertRegex(child, r"^j\d+$")
         self.assertEqual(self.scree("pause", job).stdout, f"{job} paused\n")
         self.assertEqual(self.scree("checkpoint", job).stdout, f"{job} paused\n")
         self.assertEqual(self.scree("resume", job).stdout, f"{job} queued\n")
+        self.assertEqual(self.scree("set", job, "time.end_s=1e-3").returncode, 0)  # in the past: it ends where it is
         self.assertEqual(self.scree("wait", job, child).returncode, 0)
         replay = self.scree("replay", job)
         self.assertEqual(replay.returncode, 0, replay)

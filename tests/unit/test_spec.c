@@ -205,6 +205,35 @@ static void refused(const struct job_spec *job, double memory, enum scree_status
     assert_error(&err, status, path, message);
 }
 
+/* What is taken at the end of a time is refused where the run is over before. */
+static void records_must_fit_into_the_run(void **state)
+{
+    (void)state;
+    struct job_spec job;
+    job_defaults(&job, scenario_find("channel"));
+    job.time.end_s = 0.4;
+    job.record.profiles = (struct record_profiles){true, 1e-3, 0.5};
+    refused(&job, 0, SCREE_INVALID, "record.profiles.frame_s",
+            "record.profiles.frame_s: 0.5 s is longer than the run, which ends at 0.4 s");
+    job.record.profiles.frame_s = 1e-4;
+    refused(&job, 0, SCREE_INVALID, "record.profiles.frame_s",
+            "record.profiles.frame_s: 0.0001 s is shorter than record.profiles.every_s = 0.001 s");
+    job.record.profiles.frame_s = 0.4;
+    assert_int_equal(job_check(&job, 0, NULL), SCREE_OK);
+    job.record.collisions = (struct record_log){true, 4096, 0.5};
+    refused(&job, 0, SCREE_INVALID, "record.collisions.from_s",
+            "record.collisions.from_s: 0.5 s is longer than the run, which ends at 0.4 s");
+    job.record.collisions.on = false;
+    job.record.spectrum.on = true;
+    job.record.spectrum.window_s = 0.5;
+    refused(&job, 0, SCREE_INVALID, "record.spectrum.window_s",
+            "record.spectrum.window_s: 0.5 s is longer than the run, which ends at 0.4 s");
+    job.record.spectrum.window_s = 1e-4;
+    refused(&job, 0, SCREE_INVALID, "record.spectrum.window_s",
+            "record.spectrum.window_s: 0.0001 s holds 40 blocks of record.basal_force.every_s = 2.5e-06 s, and 8 segments need at "
+            "least 72");
+}
+
 /* A job may be built or steered without JSON: its values are checked all the same. */
 static void values_are_checked_in_place(void **state)
 {
@@ -410,6 +439,7 @@ int main(void)
         cmocka_unit_test(defaults_pass_every_check),
         cmocka_unit_test(nearest_names_are_meant),
         cmocka_unit_test(paths_resolve_to_values),
+        cmocka_unit_test(records_must_fit_into_the_run),
         cmocka_unit_test(values_are_checked_in_place),
         cmocka_unit_test(a_tiny_domain_is_explained),
         cmocka_unit_test(scenarios_check_their_own_rules),
