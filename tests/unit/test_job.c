@@ -137,6 +137,12 @@ static void randomise(struct rng *rng, const struct field_table *table, void *ob
             for (int a = 0; a < 3; a++)
                 ((double *)value)[a] = random_real(rng, row->min, row->max);
             break;
+        case FIELD_ROWS:
+            length = rng_next(rng) % (row->size + 1);
+            *(int64_t *)value = (int64_t)length;
+            for (size_t c = 0; c < length * row->columns; c++)
+                field_rows_numbers(value)[c] = random_real(rng, row->min, row->max);
+            break;
         case FIELD_ENUM:
             *(int *)value = (int)(rng_next(rng) % choices);
             break;
