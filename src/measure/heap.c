@@ -121,7 +121,7 @@ static void follow(struct state *s, const struct measure_context *context, const
 {
     const double speed = row[2], top = row[6], middle = row[7];
     double g = fabs(context->gravity[2]);
-    if (!s->told && fmax(top, middle) > LEADS * column_length(context)) {
+    if (s->told == 0 && fmax(top, middle) > LEADS * column_length(context)) {
         s->told = 1;
         s->top = top;
         s->middle = middle;
@@ -141,7 +141,7 @@ static enum scree_status sample(void *state, struct measure_context *context, co
     const struct measure_site *site = &context->site;
     double row[COLUMNS] = {context->time_s}, mass = 0, interval_s = (double)now->every * view->step_s;
     enum scree_status status = SCREE_OK;
-    if (site->gate && !s->went && context->time_s + interval_s * (1 + 1e-9) > site->gate_s)
+    if (site->gate && s->went == 0 && context->time_s + interval_s * (1 + 1e-9) > site->gate_s)
         status = look_at_column(s, context, view, err);
     for (size_t k = 0; k < view->bodies; k++) {
         const struct view_body *b = &view->body[k];
@@ -154,7 +154,7 @@ static enum scree_status sample(void *state, struct measure_context *context, co
     }
     row[3] /= mass;
     row[4] /= mass;
-    if (!status && s->went && site->gate) {
+    if (!status && s->went > 0 && site->gate) {
         row[2] = row[1] / sqrt(fabs(context->gravity[2]) * s->height);
         row[6] = forward(s, view, 0.8 * s->height, INFINITY);
         row[7] = forward(s, view, 0.4 * s->height, 0.6 * s->height);
@@ -167,7 +167,7 @@ static enum scree_status close(void *state, struct measure_context *context, con
 {
     struct state *s = state;
     double pdf[FORCE_BINS][2], fabric[FABRIC_BINS][2];
-    enum scree_status status = s->went ? SCREE_OK : look_at_column(s, context, now->grains, err);
+    enum scree_status status = s->went > 0 ? SCREE_OK : look_at_column(s, context, now->grains, err);
     for (int k = 0; k < FORCE_BINS; k++) {
         pdf[k][0] = (k + 0.5) * FORCE_BIN;
         pdf[k][1] = s->packing.force_pdf[k];

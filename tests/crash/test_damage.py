@@ -41,7 +41,7 @@ class Damage(unittest.TestCase):
 
     def killed_in_the_middle(self, **more):
         """A job with two checkpoints, its daemon killed."""
-        job = self.session.submit(tiny(end_s=0.3, **more))
+        job = self.session.submit(tiny(end_s=1.5, **more))  # a job that ends keeps no checkpoints
         end = time.monotonic() + 30
         while len(self.path(job, "checkpoint-*.h5")) < 2:
             assert time.monotonic() < end, "no checkpoints"

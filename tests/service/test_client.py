@@ -280,7 +280,7 @@ class NoDaemon(Client):
         for word in ("23.5", "0..60", "deg"):
             self.assertIn(word, row.split())
         lines = [json.loads(line) for line in self.scree("scenarios", "--json").stdout.splitlines()]
-        self.assertEqual([line["name"] for line in lines][:2], ["incline", "collision"])
+        self.assertEqual([line["name"] for line in lines][:2], ["incline", "channel"])
         self.refused(self.scree("scenarios", "inclin"), '"incline"')
 
     def test_materials_carry_their_erratum(self):
