@@ -278,15 +278,14 @@ void steering_recorded(struct scheduler *s, const struct record_order *order)
  * give a step to a command that the world never saw. */
 static struct command *take_question(struct scheduler *s, struct run *run, uint64_t *step)
 {
-    int64_t number = 0;
     pthread_mutex_lock(&run->lock);
-    if (run->ask == ASK_WAITING) {
+    struct command *c = run->ask == ASK_WAITING ? by_number(s, run->ask_number) : NULL;
+    if (c) {
         run->ask = ASK_TAKEN;
-        number = run->ask_number;
         *step = run->ask_step;
     }
     pthread_mutex_unlock(&run->lock);
-    return number ? by_number(s, number) : NULL;
+    return c;
 }
 
 static void settle(struct run *run, enum run_ask ask)
