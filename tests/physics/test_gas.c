@@ -23,6 +23,7 @@ struct told {
     double power, shape; // of the force on the floor, summed over bands of the plateau; zeta there
     double tau;          // of an impact on the floor, s; 0: spectra are not looked at
     double collisions, dn2, dt2;
+    double fast[2]; // collisions faster than 0.97 and 1.03 of what 99.9 % of those of Maxwell's gas stay below
     double first, last, elastic; // translation's energy at the first and last sample, the springs' at the last, J
 };
 
@@ -39,6 +40,8 @@ static enum scree_status keep(void *context, const struct scree_chunk *chunk, st
         } else if (strcmp(chunk->stream->name, "collisions") == 0) {
             told->collisions++;
             told->dn2 += row[4] * row[4];
+            told->fast[0] += fabs(row[4]) > 0.97 * sqrt(4 * TEMPERATURE * log(1000));
+            told->fast[1] += fabs(row[4]) > 1.03 * sqrt(4 * TEMPERATURE * log(1000));
             told->dt2 += row[5] * row[5];
         } else if (strcmp(chunk->stream->name, "energy") == 0) {
             told->first = told->first > 0 ? told->first : row[2];
@@ -92,24 +95,34 @@ static double at_contact(double fraction)
     return (1 - fraction / 2) / pow(1 - fraction, 3);
 }
 
-/* Enskog's rate of collisions, and those of impact speeds: relative velocities are
- * normal with variance 2T a component, impacts weighted by the approach: <dn^2> = <dt^2> = 4T. */
+/* A hundredth of the glass's stiffness: steps are 6.3 times as long, and a grain still spends but 0.5 % of its time in contact. */
+static void soften(struct job_spec *job)
+{
+    job->material.young_Pa /= 100;
+    job->time.step_s *= pow(100, 0.4);
+}
+
+/* S0-31. Enskog's rate of collisions, and those of impact speeds: relative velocities are normal with variance 2T a
+ * component, impacts weighted by the approach: <dn^2> = <dt^2> = 4T, and dn above sqrt(4T ln 1000) once in a thousand.
+ * Of 45,000 collisions the means are known to 0.5 %, that quantile to 1 %. */
 static void elastic_gas_collides_as_kinetic_theory_says(void **state)
 {
     (void)state;
     struct job_spec job;
     struct told told = {0};
     setup(&job);
-    job.time.end_s = 0.13;
+    soften(&job);
+    job.time.end_s = 1.03;
     job.record.collisions.on = true;
     job.record.collisions.from_s = 0.03; // the lattice is forgotten after some 10 ms
     run(&job, &told);
     double d = 2 * job.material.radius_m;
     double rate = 24 * FRACTION * at_contact(FRACTION) * sqrt(TEMPERATURE / M_PI) / d; // of one grain, 1/s
-    assert_true(fabs(told.collisions / (0.5 * 1000 * rate * 0.1) - 1) < 0.05);
-    assert_true(fabs(told.dn2 / told.collisions / (4 * TEMPERATURE) - 1) < 0.06);
-    assert_true(fabs(told.dt2 / told.collisions / (4 * TEMPERATURE) - 1) < 0.06);
-    assert_true(fabs((told.last + told.elastic) / told.first - 1) < 1e-4);
+    assert_true(fabs(told.collisions / (0.5 * 1000 * rate * 1) - 1) < 0.03);
+    assert_true(fabs(told.dn2 / told.collisions / (4 * TEMPERATURE) - 1) < 0.01);
+    assert_true(fabs(told.dt2 / told.collisions / (4 * TEMPERATURE) - 1) < 0.01);
+    assert_true(told.fast[0] > 1e-3 * told.collisions && told.fast[1] < 1e-3 * told.collisions);
+    assert_true(fabs((told.last + told.elastic) / told.first - 1) < 1e-3);
 }
 
 static double restitution(const struct job_spec *gas, double speed)
@@ -135,7 +148,8 @@ static double restitution(const struct job_spec *gas, double speed)
 }
 
 /* B-16: T = T0 / (1 + t / t_e)^2, 1 / t_e = 4 (1 - e^2) phi g0 sqrt(T0) / (sqrt(pi) d),
- * with e at the speed that carries the loss: <dn^3> / <dn^2> = 3 sqrt(pi T) / 2. */
+ * with e at the speed that carries the loss: <dn^3> / <dn^2> = 3 sqrt(pi T) / 2. That is for an e that does not know
+ * the speed. Here 1 - e^2 goes as its fifth root, and T as (1 + 1.2 t / t_e)^(-5/3) (Schwager and Poeschel 1998). */
 static void inelastic_gas_cools_by_haffs_law(void **state)
 {
     (void)state;
@@ -148,10 +162,10 @@ static void inelastic_gas_cools_by_haffs_law(void **state)
     double e = restitution(&job, 1.5 * sqrt(M_PI * TEMPERATURE)), d = 2 * job.material.radius_m;
     assert_true(e > 0.85 && e < 0.95);
     double rate = 4 * (1 - e * e) * FRACTION * at_contact(FRACTION) * sqrt(TEMPERATURE) / (sqrt(M_PI) * d);
-    /* How much slower the grains are, which is linear in time, against the law. */
-    double slowed = sqrt(told.first / told.last) - 1;
-    assert_true(told.last < 0.6 * told.first);
-    assert_true(fabs(slowed / (rate * 0.3) - 1) < 0.1);
+    /* How much slower the grains are, by what is linear in time, against the law. */
+    double slowed = (pow(told.first / told.last, 0.6) - 1) / 1.2;
+    assert_true(told.last < 0.3 * told.first);
+    assert_true(fabs(slowed / (rate * 0.3) - 1) < 0.02);
 }
 
 /* S0-32: impacts on a wall at rate A n sqrt(T / 2 pi), <J^2> = 8 m^2 T, so P_F = A n sqrt(T / 2 pi) 8 m^2 T zeta(f tau) with
