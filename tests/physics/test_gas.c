@@ -23,7 +23,7 @@ struct told {
     double power, shape; // of the force on the floor, summed over bands of the plateau; zeta there
     double tau;          // of an impact on the floor, s; 0: spectra are not looked at
     double collisions, dn2, dt2;
-    double fast[2]; // collisions faster than 0.97 and 1.03 of what 99.9 % of those of Maxwell's gas stay below
+    double fast[2];              // collisions faster than 0.97 and 1.03 of what 99.9 % of those of Maxwell's gas stay below
     double first, last, elastic; // translation's energy at the first and last sample, the springs' at the last, J
 };
 
