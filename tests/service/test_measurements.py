@@ -178,7 +178,7 @@ class Measurements(unittest.TestCase):
 
     def test_the_campaign_is_a_valid_sweep_with_every_measurement(self):
         name = os.path.join(SOURCE, "client/examples/slidequakes.json")
-        self.assertIn("18 trials", self.scree("check", name).stderr)
+        self.assertIn("30 trials", self.scree("check", name).stderr)
         with open(name, encoding="utf-8") as file:
             record = json.load(file)["job"]["record"]
         for each in ("basal_force", "profiles", "collisions", "connectivity", "spectrum", "forces", "bulk"):
