@@ -16,7 +16,9 @@ on at the next chunk, without a gap and without a repetition, because chunks are
 numbered and a job that is run again makes the same ones.
 """
 import base64
+import contextlib
 import json
+import math
 import os
 import stat
 import time
@@ -152,7 +154,8 @@ class Daemon:
         end = time.monotonic() + (self.patience_s if patience_s is None else patience_s)
         while True:
             self.socket = self.socket or self.open_socket(zmq.DEALER, self.endpoint)
-            self.socket.send_multipart(request, zmq.DONTWAIT)
+            with contextlib.suppress(zmq.Again):  # thrown out: no answer will come
+                self.socket.send_multipart(request, zmq.DONTWAIT)
             until = min(end, time.monotonic() + retry_s)
             while self.socket.poll(max(0, int(1000 * (until - time.monotonic())))):
                 frames = self.socket.recv_multipart()
@@ -304,7 +307,10 @@ class Reader:
         self.open()
 
     def say(self, **header):
-        self.socket.send_multipart([VERSION, json.dumps({"key": "r", **header}).encode()], zmq.DONTWAIT)
+        try:
+            self.socket.send_multipart([VERSION, json.dumps({"key": "r", **header}).encode()], zmq.DONTWAIT)
+        except zmq.Again:  # thrown out: opened anew once silence has shown it
+            self.opened = -math.inf
 
     def open(self):
         self.close()

@@ -15,6 +15,8 @@ import uuid
 import zmq
 
 BIN = os.environ["SCREE_BIN"]
+with open(os.path.join(BIN, "screed"), "rb") as program:
+    SANITIZED = b"__asan_init" in (text := program.read()) or b"__tsan_init" in text
 PATIENCE_S = float(os.environ.get("SCREE_PATIENCE", 60))  # for anything that should come at once; machines may be busy
 
 
