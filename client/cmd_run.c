@@ -19,9 +19,6 @@
 #include "summary.h"
 #include "verbs.h"
 
-/* A daemon that is there but slower than this is not waited for. */
-#define PING_S 1.0
-
 struct run {
     const struct arguments *arguments;
     struct spec_file spec;
@@ -49,7 +46,7 @@ static enum outcome find_daemon(struct run *run, struct scree_error *err)
     if (chosen)
         return outcome; // who named a daemon does not want another
     if (!outcome)
-        outcome = link_ping(run->link, PING_S, &pong, err);
+        outcome = link_ping(run->link, LINK_SILENCE_S, &pong, err);
     cJSON_Delete(pong);
     if (!outcome)
         return OUTCOME_DONE;
