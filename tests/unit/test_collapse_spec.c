@@ -137,7 +137,7 @@ static void layers_are_planned_and_refused(void **state)
     struct layer_params *p = (struct layer_params *)(void *)job.params;
     assert_int_equal(job_check(&job, 0, NULL), SCREE_OK);
     continuum_scenario_find("layer")->plan(&job, &plan);
-    assert_true(plan.setup.layer && plan.setup.cells[2] == 25 && fabs(plan.setup.length[2] - 0.025) < 1e-15);
+    assert_true(plan.setup.endless && plan.setup.cells[2] == 25 && fabs(plan.setup.length[2] - 0.025) < 1e-15);
     assert_true(plan.setup.body_count == 0 && plan.regions[0].high[2] == 0.02);
     assert_true(fabs(plan.setup.gravity[0] / -plan.setup.gravity[2] - tan(23.5 * M_PI / 180)) < 1e-12);
     p->cells = 1;
