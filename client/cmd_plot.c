@@ -21,8 +21,8 @@ static enum outcome plot_run(const struct arguments *arguments)
     if (!protocol_id_valid(id))
         return give_up(outcome_fail(&err, OUTCOME_REFUSED, "\"%.40s\" is no id of a job or a study", id), &err);
     if ((how.x || how.y || how.by || how.log || how.beside) && !is_study_id(id))
-        return give_up(outcome_fail(&err, OUTCOME_REFUSED, "--x, --y, --by, --log and --beside are for sweeps, and %s is a job", id),
-                       &err);
+        return give_up(
+            outcome_fail(&err, OUTCOME_REFUSED, "--x, --y, --by, --log and --beside are for sweeps, and %s is a job", id), &err);
     snprintf(file, sizeof file, "%s.png", id);
     out = out ? out : file;
     enum outcome outcome = link_open_for(arguments, &link, &err);
