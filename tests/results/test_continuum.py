@@ -60,7 +60,7 @@ class Collapses(Study):
 
     @classmethod
     def shorten(cls, study):
-        study["grid"]["params.run"] = ["B00", "B05", "G00", "G05"]
+        study["grid"]["params.run"] = ["B00", "G05"]
 
     def test_tables_2_and_3(self):
         """Run-out of the published simulation and its error, m (S2-02, S2-03), and what stays at the back wall."""
@@ -148,7 +148,7 @@ class AspectRatios(Study):
 
     @classmethod
     def shorten(cls, study):
-        study["cases"] = study["cases"][0:13:3] + study["cases"][16:29:4]
+        study["cases"] = study["cases"][0:10:3] + study["cases"][16:23:2]
 
     def fit(self, plane, number, low, high):
         """Factor and exponent over a in [low, high]."""
@@ -159,14 +159,15 @@ class AspectRatios(Study):
 
     def test_power_laws(self):
         """S2-04, Table 4: exponents to 0.1 or so, factors to a fifth."""
-        for plane, number, low, high, factor, exponent in (
-                (True, "run_out_ratio", 1, 7, 2.0, 1.0), (True, "run_out_ratio", 7, 20, 3.4, 0.65),
-                (True, "height_ratio", 1, 7, 1.3, 0.67), (False, "run_out_ratio", 1, 20, 1.4, 0.7),
-                (False, "height_ratio", 1, 20, 1.2, 0.5)):
+        laws = [(True, "run_out_ratio", 1, 7, 2.0, 1.0), (True, "height_ratio", 1, 7, 1.3, 0.67),
+                (False, "height_ratio", 1, 20, 1.2, 0.5)]
+        if WHOLE:  # above a = 7; and the narrow run-out, which is not the published one: cells are as large as the channel is wide
+            laws += [(True, "run_out_ratio", 7, 20, 3.4, 0.65)]
+        for plane, number, low, high, factor, exponent in laws:
             got = self.fit(plane, number, low, high)
             print(plane, number, low, high, got, "published", factor, exponent)
-            if plane:  # the narrow ones are not known to hold yet
-                self.assertLess(abs(got[1] - exponent), 0.15)
+            self.assertLess(abs(got[1] - exponent), 0.15)
+            self.assertLess(abs(got[0] / factor - 1), 0.25)
 
 
 if __name__ == "__main__":
