@@ -11,9 +11,10 @@ enum outcome plot_job(struct link *link, const cJSON *record, const char *file, 
 
 /* How a sweep is drawn. */
 struct plot_sweep {
-    const char *x, *y; // columns of the table, NULL for the first that tell something
-    const char *by;    // the column whose values get a line each; NULL: all that differ beside x
-    bool log;          // both axes logarithmic, and a power law fitted to each line
+    const char *x, *y;  // columns of the table, NULL for the first that tell something
+    const char *by;     // the column whose values get a line each; NULL: all that differ beside x
+    bool log;           // both axes logarithmic, and a power law fitted to each line
+    const char *beside; // power laws to draw beside them, "FACTOR,EXPONENT FACTOR,EXPONENT ..."; NULL: none
 };
 
 /* A search: bracket and trials against the round; a sweep: a number of the summary against a parameter. */

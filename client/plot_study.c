@@ -347,6 +347,23 @@ static void fit_power(const struct point *points, size_t count, int series, stru
     out->factor = exp((sy - out->exponent * sx) / n);
 }
 
+/* Lines of power laws that somebody gives: "2,1 3.4,0.65". */
+static enum outcome draw_beside(struct picture *p, const char *laws, struct scree_error *err)
+{
+    for (const char *at = laws; at && *at;) {
+        struct power law;
+        int length = 0;
+        if (sscanf(at, " %lf,%lf %n", &law.factor, &law.exponent, &length) != 2 || !(law.factor > 0) || !isfinite(law.factor) ||
+            !isfinite(law.exponent))
+            return outcome_fail(err, OUTCOME_REFUSED,
+                                "\"%.40s\" is no power law: FACTOR,EXPONENT, the factor above 0, and spaces between laws", at);
+        fprintf(p->script, "%.9g * x**%.9g with lines lw 1.4 dt 4 lc rgb '#777777' title 'beside: %.3g x^%.3g', ", law.factor,
+                law.exponent, law.factor, law.exponent);
+        at += length;
+    }
+    return OUTCOME_DONE;
+}
+
 /* A logarithmic axis where all is above 0 and it is wished for or spans more than a factor of fifty. */
 static void set_axis(struct picture *p, const struct columns *c, int column, char axis, bool log)
 {
@@ -409,8 +426,9 @@ static enum outcome draw_sweep(const cJSON *record, const cJSON *table, const st
             fprintf(p->script, "%.9g * x**%.9g with lines lw 1.2 lc rgb '%s' dt 2 title '%.2f x^%.2f', ", fits[k].factor,
                     fits[k].exponent, colours[k % COLOURS], fits[k].factor, fits[k].exponent);
     }
+    outcome = draw_beside(p, how->beside, err);
     fprintf(p->script, "NaN notitle\n");
-    return OUTCOME_DONE;
+    return outcome;
 }
 
 /* Sweeps that a paper has a figure of: drawn like it, unless columns are named. */

@@ -13,7 +13,7 @@ struct continuum_view {
     uint64_t step;
     double gravity[3], length[3], spacing[3], density;
     int cells[3];
-    bool plane, layer; // nothing depends on y; nor on x
+    bool plane, endless; // nothing depends on y; on x
     size_t points;
     const uint32_t *id;
     const double (*position)[4]; // x, y, z, m; [3] volume, m3
@@ -34,7 +34,7 @@ struct continuum_view {
 
 static inline int continuum_layers(const struct continuum_view *view, int axis)
 {
-    return (axis == 1 && view->plane) || (axis == 0 && view->layer) ? 1 : view->cells[axis] + 1;
+    return (axis == 1 && view->plane) || (axis == 0 && view->endless) ? 1 : view->cells[axis] + 1;
 }
 /* Index of a node's fields by its place. */
 static inline size_t continuum_node(const struct continuum_view *view, int x, int y, int z)

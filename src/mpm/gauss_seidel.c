@@ -46,6 +46,15 @@ static void sweep_slab(struct mpm *mpm, int member, size_t s)
     mpm->parts[member].stalls += mpm->kernels->sweep(&mpm->field, mpm->slab_row[s], mpm->slab_row[s + 1], mpm->weight);
 }
 
+static bool held_moves(const struct mpm *mpm)
+{
+    bool moves = false;
+    for (int face = 0; face < MPM_FACES; face++)
+        for (int a = 0; a < 3; a++)
+            moves |= mpm->walls[face].kind == MPM_STICK && mpm->walls[face].velocity[a] != 0;
+    return moves;
+}
+
 static struct row_look look_at(const struct mpm *mpm, bool strain)
 {
     const double *g = mpm->gravity;
@@ -54,7 +63,8 @@ static struct row_look look_at(const struct mpm *mpm, bool strain)
     return (struct row_look){.unit = time / mpm->grid.cell_volume,
                              .wall_unit = time / (height * mpm->grid.cell_volume),
                              .volume = mpm->volume,
-                             .strain = strain ? mpm->strain : NULL};
+                             .strain = strain ? mpm->strain : NULL,
+                             .held = held_moves(mpm)};
 }
 
 static void look_slab(struct mpm *mpm, int member, size_t s)

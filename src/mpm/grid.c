@@ -4,11 +4,11 @@
 
 #include <math.h>
 
-void grid_start(struct grid *grid, const double length[3], const int cells[3], bool plane, bool layer)
+void grid_start(struct grid *grid, const double length[3], const int cells[3], bool plane, bool endless)
 {
-    grid->plane = plane || layer;
-    grid->flat[0] = layer;
-    grid->flat[1] = grid->plane;
+    grid->plane = plane;
+    grid->flat[0] = endless;
+    grid->flat[1] = plane;
     grid->flat[2] = false;
     for (int a = 0; a < 3; a++) {
         bool flat = grid->flat[a];

@@ -4,8 +4,8 @@
  * Node arrays have a layer of ghosts all round, so that the 27 neighbours of any
  * node exist at fixed distances in memory; z runs fastest. A plane world is one
  * cell of unit depth in y with all material on its layer y = 0: the hat function
- * there is one and nothing depends on y. A layer is a plane world that is flat along
- * x in the same way: material may flow along x, and every place downstream is the same. */
+ * there is one and nothing depends on y. An endless world is flat along x in the
+ * same way: material may flow along x, and every place downstream is the same. */
 #ifndef SCREE_MPM_GRID_H
 #define SCREE_MPM_GRID_H
 
@@ -16,14 +16,14 @@ struct grid {
     int cells[3];
     double length[3], spacing[3], inverse[3]; // m, m, 1/m
     bool plane;                               // two dimensions, x and z
-    bool flat[3];                             // nothing depends on this axis: y in a plane, x too in a layer
+    bool flat[3];                             // nothing depends on this axis: y in a plane, x in an endless world
     size_t stride[3];                         // of nodes
     size_t node_count, cell_count;
     double cell_volume; // m3
 };
 
-/* Fills *grid; along flat axes cells and length are taken as 1. A layer is a plane. */
-void grid_start(struct grid *grid, const double length[3], const int cells[3], bool plane, bool layer);
+/* Fills *grid; along flat axes cells and length are taken as 1. */
+void grid_start(struct grid *grid, const double length[3], const int cells[3], bool plane, bool endless);
 
 static inline size_t grid_node(const struct grid *g, int x, int y, int z)
 {

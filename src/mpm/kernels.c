@@ -226,6 +226,10 @@ static struct row_sums look(const struct field *f, size_t from, size_t to, const
         sums.sum += square;
         sums.largest = fmax(sums.largest, square);
         if (how->strain) {
+            if (how->held) {
+                gd += row->offset_d;
+                go += row->offset_o;
+            }
             v4 dev = gd - v4_all(v4_sum3(gd) * axes.inverse) * axes.on;
             how->strain[r][0] = sqrt(0.5 * v4_sum3(dev * dev) + v4_sum3(go * go)) / how->volume[row->node];
             how->strain[r][1] = v4_sum3(row->stress_d) * axes.inverse;

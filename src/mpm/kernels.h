@@ -4,6 +4,7 @@
 #ifndef SCREE_MPM_KERNELS_H
 #define SCREE_MPM_KERNELS_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -61,6 +62,7 @@ struct row_look {
     double wall_unit;     // a change of velocity, m/s, likewise
     const double *volume; // material volume by node, m3
     double (*strain)[2];  // by row: ||Dev strain rate||, 1/s, and pressure, Pa; NULL: not wanted
+    bool held;            // do walls that hold material move? Then offsets are more than room to fill, which has no deviator
 };
 
 /* ---- points ---- */

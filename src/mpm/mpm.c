@@ -23,7 +23,7 @@ static enum scree_status check_numbers(const struct mpm_setup *s, struct scree_e
 {
     double nodes = 1;
     for (int a = 0; a < 3; a++) {
-        if ((a == 1 && (s->plane || s->layer)) || (a == 0 && s->layer))
+        if ((a == 1 && s->plane) || (a == 0 && s->endless))
             continue;
         if (!(s->length[a] > 0 && s->length[a] < 1e6))
             return refuse(err, "length", "a side of the box must lie within 0..1e6 m");
@@ -171,7 +171,7 @@ enum scree_status mpm_start(const struct mpm_setup *setup, struct mpm **out, str
     struct mpm *mpm = memory_rows(1, sizeof *mpm);
     if (!mpm)
         return no_memory(err, "worlds", 1);
-    grid_start(&mpm->grid, setup->length, setup->cells, setup->plane, setup->layer);
+    grid_start(&mpm->grid, setup->length, setup->cells, setup->plane, setup->endless);
     mpm->step_s = setup->step_s;
     memcpy(mpm->gravity, setup->gravity, sizeof mpm->gravity);
     mpm->tilt = setup->tilt;

@@ -69,7 +69,7 @@ struct mpm_setup {
     double length[3]; // of the box [0, length], m
     int cells[3];
     bool plane;     // two dimensions, x and z: cells[1] and length[1] are not looked at, sums are per metre of depth
-    bool layer;     // a plane that is the same all along x, too: a column of cells, sums are per square metre
+    bool endless;   // the same all along x: one column of cells, whose sums are per metre of length
     double density; // of the material where it is densest, rho_g phi_c, kg/m3
     struct mpm_wall walls[MPM_FACES];
     const struct mpm_body *bodies;

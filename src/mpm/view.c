@@ -111,7 +111,7 @@ enum scree_status mpm_view(struct mpm *mpm, struct continuum_view *view, struct 
                                     .step = mpm->step,
                                     .density = mpm->density,
                                     .plane = g->plane,
-                                    .layer = g->flat[0],
+                                    .endless = g->flat[0],
                                     .points = mpm->points,
                                     .id = mpm->id,
                                     .position = (const double(*)[4])mpm->position,

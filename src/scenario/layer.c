@@ -25,7 +25,7 @@ static void layer_plan(const struct job_spec *job, struct continuum_plan *plan)
     struct mpm_setup *s = &plan->setup;
     *plan = (struct continuum_plan){.bed = 0};
     continuum_fill(job, &p->continuum, s);
-    s->layer = s->plane = true;
+    s->endless = s->plane = true;
     s->cells[2] = (int)p->cells + ((int)p->cells + 3) / 4;
     s->length[2] = p->depth_m * s->cells[2] / (double)p->cells;
     s->length[0] = s->length[1] = 1;

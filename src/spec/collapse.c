@@ -197,8 +197,13 @@ static enum scree_status collapse_check(const struct job_spec *job, struct scree
         return scree_fail(err, SCREE_INVALID, "params.cell_height_m",
                           "params.cell_height_m: a cell of %s m is higher than the bed of %s m", text_real(p->cell_height_m, a),
                           text_real(p->bed_m, b));
-    if (p->cell_m > p->length_m || p->cell_height_m > p->height_m)
-        return scree_fail(err, SCREE_INVALID, "params.cell_m", "params.cell_m: a cell is larger than the column");
+    if (p->cell_m > p->length_m)
+        return scree_fail(err, SCREE_INVALID, "params.cell_m", "params.cell_m: a cell of %s m is longer than the column of %s m",
+                          text_real(p->cell_m, a), text_real(p->length_m, b));
+    if (p->cell_height_m > p->height_m)
+        return scree_fail(err, SCREE_INVALID, "params.cell_height_m",
+                          "params.cell_height_m: a cell of %s m is higher than the column of %s m", text_real(p->cell_height_m, a),
+                          text_real(p->height_m, b));
     if (p->length_m + 3 * p->cell_m > p->box_length_m)
         return scree_fail(err, SCREE_INVALID, "params.box_length_m",
                           "params.box_length_m: the gate at %s m, two cells thick, is outside a box of %s m",

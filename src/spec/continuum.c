@@ -161,11 +161,13 @@ enum scree_status continuum_check(const struct job_spec *job, const struct conti
         return SCREE_INVALID;
     }
     if (c->law == LAW_MU_I && c->mu_2 < c->mu)
-        return scree_fail(err, SCREE_INVALID, "params.continuum.mu_2", "params.continuum.mu_2: mu(I) must not fall with I");
+        return scree_fail(err, SCREE_INVALID, "params.continuum.mu_2",
+                          "params.continuum.mu_2: %.3g is below mu, %.3g: mu(I) must not fall with I", c->mu_2, c->mu);
     if ((c->law == LAW_HYSTERETIC || c->law == LAW_HYSTERETIC_STEP) && c->mu + c->delta_mu > 1)
-        return scree_fail(err, SCREE_INVALID, "params.continuum.delta_mu",
-                          "params.continuum.delta_mu: mu + delta_mu = %.3g at rest is above 1, where the law's cone holds tension",
-                          c->mu + c->delta_mu);
+        return scree_fail(
+            err, SCREE_INVALID, "params.continuum.delta_mu",
+            "params.continuum.delta_mu: %.3g makes mu + delta_mu = %.3g at rest, above 1, where the law's cone holds tension",
+            c->delta_mu, c->mu + c->delta_mu);
     if (job->scenario->cost(job).moving > SPEC_POINTS_MAX)
         return scree_fail(err, SCREE_INVALID, "params.continuum.points",
                           "params.continuum.points: %.3g material points are more than the %.3g that a world holds",

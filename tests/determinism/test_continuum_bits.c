@@ -142,7 +142,7 @@ static uint64_t run_layer(int threads)
 {
     static const struct mpm_region region = {{0, 0, 0}, {1, 1, 0.05}};
     struct mpm_setup s = continuum_box(1, 0, 7, &region);
-    s.layer = true;
+    s.endless = true;
     s.gravity[0] = 4.2;
     s.walls[MPM_Z_LOW].kind = MPM_STICK;
     s.law = &mpm_law_mu_i;

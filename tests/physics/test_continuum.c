@@ -299,7 +299,7 @@ static void endless_layer_flows_as_bagnold_says(void **state)
     const double h = 0.05, angle = atan(0.46), d = 0.005;
     const struct mpm_region region = {{0, 0, 0}, {1, 0, h}};
     struct mpm_setup s = continuum_box(1, 0, 22, &region);
-    s.layer = true;
+    s.endless = true;
     s.length[2] = 0.055;
     s.walls[MPM_Z_LOW].kind = MPM_STICK;
     s.law = &mpm_law_mu_i;

@@ -85,8 +85,12 @@ class Continuum(unittest.TestCase):
         spec = {"scenario": "layer", "time": {"end_s": 0.02}, "record": {"basal_force": {}, "bulk": {}}}
         study = self.daemon.control.submit({"study": "sweep", "grid": {"params.depth_m": [0.01, 0.02, 0.04]}, "job": spec})
         self.daemon.control.wait(study)
-        drawing = self.picture(study, "--x", "params.depth_m", "--y", "weight_normal", "--log")
+        axes = ("--x", "params.depth_m", "--y", "weight_normal", "--log")
+        drawing = self.picture(study, *axes, "--beside", "2,1 3.4,0.65")
         self.assertIn("x^1.00", drawing)  # weight is proportional to depth
+        self.assertIn("beside: 3.4 x^0.65", drawing)
+        for law in ("2", "2,1 3.4", "-1,1", "2,x"):
+            self.assertIn("FACTOR,EXPONENT", self.scree("plot", study, *axes, "--beside", law, code=2).stderr)
         self.scree("plot", study, "--by", "params.nothing", code=2)
 
 

@@ -78,6 +78,11 @@ static void bad_collapses_are_refused(void **state)
     struct collapse_params *p = collapse(&job);
     p->cell_height_m = 0.05;
     refuse(&job, "params.cell_height_m", "params.cell_height_m: a cell of 0.05 m is higher than the bed of 0.014925 m");
+    p->bed_m = 0;
+    p->cell_height_m = 0.2;
+    refuse(&job, "params.cell_height_m", "params.cell_height_m: a cell of 0.2 m is higher than the column of 0.1194 m");
+    p->cell_m = 0.3;
+    refuse(&job, "params.cell_m", "params.cell_m: a cell of 0.3 m is longer than the column of 0.224 m");
     p = collapse(&job);
     p->box_length_m = 0.24;
     refuse(&job, "params.box_length_m", "params.box_length_m: the gate at 0.224 m, two cells thick, is outside a box of 0.24 m");
@@ -94,7 +99,7 @@ static void bad_collapses_are_refused(void **state)
     p->continuum.law = LAW_HYSTERETIC;
     p->continuum.delta_mu = 0.6;
     refuse(&job, "params.continuum.delta_mu",
-           "params.continuum.delta_mu: mu + delta_mu = 1.04 at rest is above 1, where the law's cone holds tension");
+           "params.continuum.delta_mu: 0.6 makes mu + delta_mu = 1.04 at rest, above 1, where the law's cone holds tension");
     p = collapse(&job);
     p->continuum.points = 0;
     refuse(&job, "params.continuum.points", "params.continuum.points: 0 is outside 1..16");
@@ -103,7 +108,7 @@ static void bad_collapses_are_refused(void **state)
     p = collapse(&job);
     p->continuum.law = LAW_MU_I;
     p->continuum.mu_2 = 0.3;
-    refuse(&job, "params.continuum.mu_2", "params.continuum.mu_2: mu(I) must not fall with I");
+    refuse(&job, "params.continuum.mu_2", "params.continuum.mu_2: 0.3 is below mu, 0.44: mu(I) must not fall with I");
     collapse(&job);
     job.time.step_s = 0.01;
     refuse(&job, "time.step_s",
@@ -137,7 +142,7 @@ static void layers_are_planned_and_refused(void **state)
     struct layer_params *p = (struct layer_params *)(void *)job.params;
     assert_int_equal(job_check(&job, 0, NULL), SCREE_OK);
     continuum_scenario_find("layer")->plan(&job, &plan);
-    assert_true(plan.setup.layer && plan.setup.cells[2] == 25 && fabs(plan.setup.length[2] - 0.025) < 1e-15);
+    assert_true(plan.setup.endless && plan.setup.cells[2] == 25 && fabs(plan.setup.length[2] - 0.025) < 1e-15);
     assert_true(plan.setup.body_count == 0 && plan.regions[0].high[2] == 0.02);
     assert_true(fabs(plan.setup.gravity[0] / -plan.setup.gravity[2] - tan(23.5 * M_PI / 180)) < 1e-12);
     p->cells = 1;
