@@ -339,7 +339,7 @@ static void examples_are_accepted(void **state)
         if (status)
             fail_msg("%s: %s", names[k], err.message);
         if (k == 1)
-            assert_int_equal(plan.trials, 18);
+            assert_int_equal(plan.trials, 30);
         study_plan_free(&plan);
     }
 }
