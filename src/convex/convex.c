@@ -263,9 +263,9 @@ void convex_look(const struct convex *c, size_t body, struct convex_body *out)
 static void sum_contacts(const struct convex *c, const struct list *list, size_t *points, double *elastic)
 {
     for (size_t k = 0; k < list->pairs; k++)
-        if (list->pair[k].slot != NO_CONTACT) {
+        for (uint32_t slot = list->pair[k].slot; slot != NO_CONTACT; slot = c->contact[slot].next) {
             ++*points;
-            *elastic += c->contact[list->pair[k].slot].elastic;
+            *elastic += c->contact[slot].elastic * c->contact[slot].share;
         }
 }
 
@@ -313,8 +313,8 @@ uint64_t convex_hash(const struct convex *c)
     const struct list *lists[] = {&c->near, &c->wall};
     for (int l = 0; l < 2; l++)
         for (size_t k = 0; k < lists[l]->pairs; k++)
-            if (lists[l]->pair[k].slot != NO_CONTACT)
-                mix(&hash, &c->contact[lists[l]->pair[k].slot].memory, sizeof(struct spring_memory));
+            for (uint32_t slot = lists[l]->pair[k].slot; slot != NO_CONTACT; slot = c->contact[slot].next)
+                mix(&hash, &c->contact[slot].memory, sizeof(struct spring_memory));
     return hash;
 }
 

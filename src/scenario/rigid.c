@@ -78,19 +78,19 @@ static enum scree_status shape_of(const struct body_spec *b, const struct rigid_
 }
 
 /* Between two things of reduced mass m_ij and reduced radius R_ij (eqs 9-12, A5-A9; k_r with R_ij as the published code). */
-static struct spring_pair law_between(const struct rigid_spec *m, double mass, double radius, double friction)
+static struct spring_pair law_between(const struct rigid_spec *m, double mass, double radius, double friction, double rolling)
 {
     double log_e = log(m->restitution);
     double damping = -2 * sqrt(m->stiffness * mass) * log_e / sqrt(M_PI * M_PI + log_e * log_e);
-    double rolled = 3 * m->rolling * m->rolling * radius * radius;
+    double rolled = 3 * rolling * rolling * radius * radius;
     return (struct spring_pair){.stiffness = m->stiffness,
                                 .damping = damping,
-                                .stiffness_t = m->stiffness_t,
+                                .stiffness_t = m->memory ? m->stiffness_t : 0,
                                 .damping_t = 2 * mass * m->rate_t,
                                 .friction = friction,
-                                .stiffness_r = rolled * m->stiffness,
+                                .stiffness_r = m->memory ? rolled * m->stiffness : 0,
                                 .damping_r = rolled * damping,
-                                .rolling_friction = m->rolling,
+                                .rolling_friction = rolling,
                                 .radius = radius,
                                 .clamp = m->clamp};
 }
@@ -106,8 +106,8 @@ enum scree_status rigid_fill(const struct job_spec *job, const struct body_spec 
     if ((status = rigid_step_check(job, plan->shape.mass, err)))
         return status;
     double radius = cbrt(3 * plan->shape.volume / (4 * M_PI)); // of the sphere of its volume, as in the paper
-    plan->setup.between = law_between(m, 0.5 * plan->shape.mass, 0.5 * radius, m->friction);
-    plan->setup.at_wall = law_between(m, plan->shape.mass, radius, m->at_wall);
+    plan->setup.between = law_between(m, 0.5 * plan->shape.mass, 0.5 * radius, m->friction, m->rolling);
+    plan->setup.at_wall = law_between(m, plan->shape.mass, radius, m->at_wall, m->rolling_wall);
     plan->setup.shapes = &plan->shape;
     plan->setup.shape_count = 1;
     plan->setup.walls = plan->walls;

@@ -123,13 +123,15 @@ struct rigid_spec {
     double stiffness_t;       // k_t, N/m
     double rate_t;            // gamma_t = eta_t / 2 m_ij, 1/s
     double friction, at_wall; // mu_c between bodies, and between a body and a wall
-    double rolling;           // mu_r of A5-A9
+    double rolling;           // mu_r of A5-A9 between bodies
+    double rolling_wall;      // and between a body and a wall
     double crust_m;           // thickness of the shell in which bodies touch
     bool average;             // forces between two bodies: mean over their points of contact; false: sum
     bool clamp;               // normal forces never pull (eq. 5, which the published code has not)
+    bool memory;              // contacts remember k_t delta_t and k_r delta theta (eqs 6, A2); false: dashpots alone resist
 };
 extern const struct field_table rigid_table;
-extern const struct rigid_spec rigid_crosses; // Table I
+extern const struct rigid_spec rigid_crosses, rigid_beads; // Tables I and II
 
 /* Duration of a head-on contact of reduced mass m_ij, kg (eq. 12), s. */
 double rigid_contact_time(const struct rigid_spec *m, double reduced_mass);

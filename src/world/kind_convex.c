@@ -26,8 +26,9 @@ static void gravity(const struct job_spec *job, double out[3])
     out[2] = -rigid_scenario_find(job->scenario->name)->gravity(job);
 }
 
-/* Faces that lie on each other touch in one point, which wanders: bodies at rest keep some 1e-5 sqrt(g d). */
-#define WANDERING 1e-4
+/* A mean over contacts jumps whenever one of them comes or goes: composites keep some 1e-5 sqrt(g d) at rest, where forces that
+ * are summed leave them 1e-12. */
+#define JUMPING 1e-4
 
 static enum scree_status site(const struct job_spec *job, struct measure_site *out, struct scree_error *err)
 {
@@ -43,7 +44,7 @@ static enum scree_status site(const struct job_spec *job, struct measure_site *o
                                  .region = {-INFINITY, INFINITY},
                                  .length_x = plan.length,
                                  .width_y = plan.width,
-                                 .calm = WANDERING,
+                                 .calm = plan.setup.average && plan.shape.parts > 1 ? JUMPING : 0,
                                  .gate = plan.setup.gate.present,
                                  .gate_s = plan.setup.gate.start_s};
     if (plan.setup.gate.present)
