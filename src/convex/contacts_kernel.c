@@ -325,10 +325,25 @@ enum scree_status PER_ISA(convex_meet)(struct convex *c, struct scree_error *err
 
 /* ---- contacts with walls ---- */
 
-/* What is under the gate, or has come past it, is not touched by it. */
+/* What is under a gate, or has come past it, is not touched by it. */
 static bool past_gate(const struct gate_now *gate, const struct pair *p, double z, double height)
 {
-    return !gate->stands || z < gate->lift || (p->slot == NO_CONTACT && height < 0);
+    return !gate->stands || z < gate->lift || (p->slot == NO_CONTACT && height < 0 && !gate->hole);
+}
+
+/* How far a corner at x is from a level wall with a hole, which has two sides, and from which way. Over the hole the rim's
+ * nearest point is what it may touch: where a corner comes off the wall that is the same. */
+static double from_rim(const double hole[2][2], struct vec3 x, double height, struct vec3 *away)
+{
+    const double aside[4] = {x.x - hole[0][0], hole[0][1] - x.x, x.y - hole[1][0], hole[1][1] - x.y};
+    static const struct vec3 inwards[4] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}};
+    int nearest = 0;
+    for (int k = 1; k < 4; k++)
+        nearest = aside[k] < aside[nearest] ? k : nearest;
+    double in = aside[nearest] > 0 ? aside[nearest] : 0, far = sqrt(in * in + height * height);
+    if (far > 0)
+        *away = vec3_scale(vec3_add(vec3_scale(*away, height), vec3_scale(inwards[nearest], in)), 1 / far);
+    return far;
 }
 
 static void hand_out_wall(struct convex *c, const struct group *g)
@@ -357,24 +372,27 @@ static enum scree_status meet_wall(struct convex *c, struct group *g, const stru
     double at = vec3_dot(vec3_sub(centre, vec3_load(wall->point)), normal), crust = s->part->radius;
     for (size_t k = 0; k < s->part->vertices; k++) {
         struct pair *p = &pair[k];
-        struct vec3 x = corner(s, k);
-        double height = at + vec3_dot(x, normal), overlap = crust - height;
+        struct vec3 x = corner(s, k), away = normal;
+        double height = at + vec3_dot(x, normal);
+        if (gate->hole)
+            height = from_rim(gate->hole, vec3_add(centre, x), height, &away);
+        double overlap = crust - height;
         if (overlap <= 0) {
             convex_part(c, p);
             *gap = -overlap < *gap ? -overlap : *gap;
             continue;
         }
         *gap = 0;
-        if (gate && past_gate(gate, p, centre.z + x.z, height)) {
+        if (gate->partial && past_gate(gate, p, centre.z + x.z, height)) {
             convex_part(c, p);
             continue;
         }
-        struct vec3 point = vec3_add(centre, vec3_sub(x, vec3_scale(normal, 0.5 * (height + crust))));
+        struct vec3 point = vec3_add(centre, vec3_sub(x, vec3_scale(away, 0.5 * (height + crust))));
         struct spring_motion motion = {.overlap = overlap,
-                                       .normal = vec3_scale(normal, -1),
+                                       .normal = vec3_scale(away, -1),
                                        .velocity = body_velocity_at(s->body, point),
                                        .spin = vec3_load(s->body->omega)};
-        motion.velocity.z -= gate ? gate->speed : 0;
+        motion.velocity.z -= gate->speed;
         enum scree_status status = convex_touch(c, p, 1, err);
         if (status)
             return status;
@@ -387,7 +405,6 @@ static enum scree_status meet_wall(struct convex *c, struct group *g, const stru
 enum scree_status PER_ISA(convex_meet_walls)(struct convex *c, struct scree_error *err);
 enum scree_status PER_ISA(convex_meet_walls)(struct convex *c, struct scree_error *err)
 {
-    const struct gate_now gate = convex_gate_now(c);
     for (size_t k = 0; k < c->wall.groups; k++) {
         struct group *g = &c->wall.group[k];
         struct body *a = &c->body[g->a];
@@ -395,10 +412,10 @@ enum scree_status PER_ISA(convex_meet_walls)(struct convex *c, struct scree_erro
         if (a->position[3] < g->due)
             continue;
         g->touching = 0;
+        const struct gate_now gate = convex_gate_now(c, g->b);
         for (size_t p = 0; p < a->shape->parts; p++) {
             struct side s = side_of(c, a, p);
-            enum scree_status status = meet_wall(c, g, &s, c->setup.gate.present && g->b == c->setup.gate.wall ? &gate : NULL,
-                                                 &c->wall.pair[g->first + a->outline->from[p]], &gap, err);
+            enum scree_status status = meet_wall(c, g, &s, &gate, &c->wall.pair[g->first + a->outline->from[p]], &gap, err);
             if (status)
                 return status;
         }

@@ -211,16 +211,21 @@ enum scree_status convex_advance(struct convex *c, uint64_t steps, struct scree_
 
 /* ---- gate, gravity, base ---- */
 
-struct gate_now convex_gate_now(const struct convex *c)
+struct gate_now convex_gate_now(const struct convex *c, uint32_t wall)
 {
     const struct convex_gate *gate = &c->setup.gate;
-    double since = (double)c->step * c->setup.step_s - gate->start_s;
-    if (!gate->present || since <= 0)
-        return (struct gate_now){.stands = gate->present};
+    double raised = c->walls[wall].raised, since = (double)c->step * c->setup.step_s - gate->start_s;
+    if (!gate->present || wall != gate->wall)
+        return (struct gate_now){.partial = raised > 0, .stands = true, .lift = raised};
+    if (since <= 0)
+        return (struct gate_now){.partial = true, .stands = true, .lift = raised};
+    if (gate->hole[0][0] < gate->hole[0][1])
+        return (struct gate_now){.partial = true, .stands = true, .lift = raised, .hole = gate->hole};
     if (gate->acceleration <= 0)
-        return (struct gate_now){.stands = false};
+        return (struct gate_now){.partial = true};
     double full = gate->speed / gate->acceleration, gaining = fmin(since, full);
-    return (struct gate_now){.stands = true,
+    return (struct gate_now){.partial = true,
+                             .stands = true,
                              .lift = 0.5 * gate->acceleration * gaining * gaining + gate->speed * (since - gaining),
                              .speed = gate->acceleration * gaining};
 }

@@ -96,12 +96,14 @@ struct convex {
 
 void convex_frame_free(struct frame *frame);
 
-/* Whether the gate stands, how far it has risen, m, and how fast it does, m/s. */
+/* Of a wall that does not stand for good, or not all the way down: whether it stands, its lower edge, m, how fast that rises,
+ * m/s, and the hole that has opened in it, or NULL. */
 struct gate_now {
-    bool stands;
+    bool partial, stands;
     double lift, speed;
+    const double (*hole)[2];
 };
-struct gate_now convex_gate_now(const struct convex *convex);
+struct gate_now convex_gate_now(const struct convex *convex, uint32_t wall);
 
 static inline struct turn body_turn(const struct body *b)
 {

@@ -25,7 +25,7 @@ static enum scree_status dam_break_plan(const struct job_spec *job, struct rigid
                                             .start_s = p->settle_s,
                                             .acceleration = p->gate_m_s2,
                                             .speed = p->gate_m_s};
-    plan->walls[plan->setup.wall_count++] = (struct convex_wall){{p->column_m, 0, 0}, {-1, 0, 0}};
+    plan->walls[plan->setup.wall_count++] = (struct convex_wall){{p->column_m, 0, 0}, {-1, 0, 0}, 0};
     return rigid_pour(job, (size_t)p->count, p->column_m, p->width_m, plan, err);
 }
 

@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-extern const struct rigid_scenario rigid_settle, rigid_dam_break;
+extern const struct rigid_scenario rigid_settle, rigid_dam_break, rigid_hopper;
 
-static const struct rigid_scenario *const all[] = {&rigid_settle, &rigid_dam_break};
+static const struct rigid_scenario *const all[] = {&rigid_settle, &rigid_dam_break, &rigid_hopper};
 
 const struct rigid_scenario *rigid_scenario_find(const char *name)
 {
@@ -116,11 +116,11 @@ enum scree_status rigid_fill(const struct job_spec *job, const struct body_spec 
 
 void rigid_box(struct rigid_plan *plan, double length, double width)
 {
-    const struct convex_wall walls[] = {{{0, 0, 0}, {0, 0, 1}},
-                                        {{0, 0, 0}, {1, 0, 0}},
-                                        {{length, 0, 0}, {-1, 0, 0}},
-                                        {{0, 0, 0}, {0, 1, 0}},
-                                        {{0, width, 0}, {0, -1, 0}}};
+    const struct convex_wall walls[] = {{{0, 0, 0}, {0, 0, 1}, 0},
+                                        {{0, 0, 0}, {1, 0, 0}, 0},
+                                        {{length, 0, 0}, {-1, 0, 0}, 0},
+                                        {{0, 0, 0}, {0, 1, 0}, 0},
+                                        {{0, width, 0}, {0, -1, 0}, 0}};
     memcpy(plan->walls, walls, sizeof walls);
     plan->setup.wall_count = sizeof walls / sizeof *walls;
     plan->length = length;

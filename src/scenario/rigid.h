@@ -15,6 +15,7 @@ struct rigid_plan {
     struct convex_wall walls[RIGID_WALLS_MAX];
     struct convex_body *bodies; // owned
     double length, width;       // of the floor, m
+    double ledge;               // height of a hopper's bottom over it; 0: there is none, m
     bool layer;                 // bodies rest or flow on it as a layer
 };
 void rigid_plan_free(struct rigid_plan *plan);

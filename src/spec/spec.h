@@ -447,6 +447,17 @@ struct dam_break_params { // seed 001, III: a column of bodies behind a gate tha
     struct body_spec body;
 };
 
+struct hopper_params { // seed 001, B.2: a hopper that empties onto a floor
+    double gravity_m_s2;
+    int64_t count;
+    double floor_m;  // side of the square that pictures show
+    double side_m;   // of the hopper
+    double hole_m;   // side of the hole in its bottom
+    double height_m; // of its bottom
+    double settle_s; // when the hole opens
+    struct body_spec body;
+};
+
 /* Fills a job with the defaults of a scenario and its preset material. */
 void job_defaults(struct job_spec *job, const struct scenario_fields *scenario);
 

@@ -45,9 +45,10 @@ static enum scree_status site(const struct job_spec *job, struct measure_site *o
                                  .length_x = plan.length,
                                  .width_y = plan.width,
                                  .calm = plan.setup.average && plan.shape.parts > 1 ? JUMPING : 0,
-                                 .gate = plan.setup.gate.present,
+                                 .ledge_z = plan.ledge,
+                                 .gate = plan.setup.gate.present && plan.ledge == 0,
                                  .gate_s = plan.setup.gate.start_s};
-    if (plan.setup.gate.present)
+    if (out->gate)
         out->gate_x = plan.walls[plan.setup.gate.wall].point[0];
     rigid_plan_free(&plan);
     return SCREE_OK;
