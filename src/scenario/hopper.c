@@ -16,6 +16,11 @@ static double hopper_gravity(const struct job_spec *job)
     return params_of(job)->gravity_m_s2;
 }
 
+static const struct body_spec *hopper_body(const struct job_spec *job)
+{
+    return &params_of(job)->body;
+}
+
 static enum scree_status hopper_plan(const struct job_spec *job, struct rigid_plan *plan, struct scree_error *err)
 {
     const struct hopper_params *p = params_of(job);
@@ -45,4 +50,4 @@ static enum scree_status hopper_plan(const struct job_spec *job, struct rigid_pl
     return SCREE_OK;
 }
 
-const struct rigid_scenario rigid_hopper = {"hopper", hopper_plan, hopper_gravity};
+const struct rigid_scenario rigid_hopper = {"hopper", hopper_plan, hopper_gravity, hopper_body};

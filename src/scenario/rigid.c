@@ -77,6 +77,25 @@ static enum scree_status shape_of(const struct body_spec *b, const struct rigid_
     return status ? status : composite_create(&part, 1, m->density_kg_m3, m->crust_m, out, NULL, err);
 }
 
+/* Of the shape's own refusals, which know no fields. */
+static enum scree_status shaped(const struct body_spec *b, const struct rigid_spec *m, struct composite *out,
+                                struct scree_error *err)
+{
+    struct scree_error why = {.message = ""};
+    enum scree_status status = shape_of(b, m, out, &why);
+    const char *path = b->shape >= BODY_HULLS ? "params.body.points_m" : "params.body.shape";
+    if (status && *why.path == '\0')
+        return scree_fail(err, status, path, "%s: %s", path, why.message);
+    return status ? scree_fail(err, status, why.path, "%s", why.message) : SCREE_OK;
+}
+
+enum scree_status rigid_body_check(const struct job_spec *job, const struct body_spec *body, struct scree_error *err)
+{
+    struct composite shape;
+    enum scree_status status = shaped(body, &job->rigid, &shape, err);
+    return status ? status : rigid_step_check(job, shape.mass, err);
+}
+
 /* Between two things of reduced mass m_ij and reduced radius R_ij (eqs 9-12, A5-A9; k_r with R_ij as the published code). */
 static struct spring_pair law_between(const struct rigid_spec *m, double mass, double radius, double friction, double rolling)
 {
@@ -100,7 +119,7 @@ enum scree_status rigid_fill(const struct job_spec *job, const struct body_spec 
 {
     const struct rigid_spec *m = &job->rigid;
     *plan = (struct rigid_plan){.setup = {.step_s = job->time.step_s, .gravity = {0, 0, -gravity}, .average = m->average}};
-    enum scree_status status = shape_of(body, m, &plan->shape, err);
+    enum scree_status status = shaped(body, m, &plan->shape, err);
     if (status)
         return status;
     if ((status = rigid_step_check(job, plan->shape.mass, err)))

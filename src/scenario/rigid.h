@@ -25,8 +25,12 @@ struct rigid_scenario {
     enum scree_status (*plan)(const struct job_spec *job, struct rigid_plan *plan, struct scree_error *err);
     /* Of the job's params as they now stand, downwards, m/s2. */
     double (*gravity)(const struct job_spec *job);
+    const struct body_spec *(*body)(const struct job_spec *job);
 };
 const struct rigid_scenario *rigid_scenario_find(const char *name);
+
+/* Refuses bodies that are none: what only their geometry tells, without pouring any. */
+enum scree_status rigid_body_check(const struct job_spec *job, const struct body_spec *body, struct scree_error *err);
 
 /* Shape, law and step of a job's bodies. */
 enum scree_status rigid_fill(const struct job_spec *job, const struct body_spec *body, double gravity, struct rigid_plan *plan,

@@ -26,6 +26,11 @@ static void gravity(const struct job_spec *job, double out[3])
     out[2] = -rigid_scenario_find(job->scenario->name)->gravity(job);
 }
 
+static enum scree_status check(const struct job_spec *job, struct scree_error *err)
+{
+    return rigid_body_check(job, rigid_scenario_find(job->scenario->name)->body(job), err);
+}
+
 /* A mean over contacts jumps whenever one of them comes or goes: composites keep some 1e-5 sqrt(g d) at rest, where forces that
  * are summed leave them 1e-12. */
 #define JUMPING 1e-4
@@ -173,6 +178,7 @@ const struct world_kind world_kind_convex = {
     .kind = SCENARIO_DEM,
     .knows = knows,
     .gravity = gravity,
+    .check = check,
     .site = site,
     .build = build,
     .free = release,

@@ -210,7 +210,7 @@ static void a_fork_goes_on_alike(void **state)
     struct scree_number x[SCREE_SUMMARY_MAX], y[SCREE_SUMMARY_MAX];
     size_t n = scree_world_summary(world, x);
     assert_int_equal(scree_world_summary(fork, y), n);
-    assert_true(n > 8);
+    assert_true(n > 5);
     for (size_t k = 0; k < n; k++)
         assert_memory_equal(&x[k].value, &y[k].value, sizeof x[k].value);
     assert_int_equal(end(world), hash);
@@ -274,8 +274,8 @@ static void bits_are_those_of_the_golden_hashes(void **state)
         set_up *of;
         uint64_t hash, chunks;
     } golden[] = {{"rolling", rolling, 0x39209552bfaaf16du, 0xba2019a6bc222f4au},
-                  {"dam_break", dam_break, 0, 0},
-                  {"hopper", hopper, 0, 0},
+                  {"dam_break", dam_break, 0xdbcc5824706e8297u, 0xcb1b2205f0efbf44u},
+                  {"hopper", hopper, 0xccbacadcdf75e43au, 0xf21d72a1f58471a5u},
                   {"impact", impact, 0xcde37eb0813dc4dbu, 0x9d9547db8f88ebd2u},
                   {"yield", yield, 0x76a975b585d14314u, 0},
                   {"damping", damping, 0xd150a2fb2924a82cu, 0}};
