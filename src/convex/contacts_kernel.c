@@ -206,25 +206,28 @@ static enum scree_status touch(struct convex *c, struct group *g, struct pair *p
     return SCREE_OK;
 }
 
-/* How many corners are less than `depth` behind the one that is farthest along d, which is of unit length. */
-SIMD_INLINE int corners_within(const struct side *s, struct vec3 d, double depth)
+/* How many corners are higher along d than that; one may be counted again where the part's are filled up. */
+SIMD_INLINE int corners_above(const struct side *s, struct vec3 d, double height)
 {
-    const double limit = highest(s, d) - depth;
+    const v4 dx = v4_all(d.x), dy = v4_all(d.y), dz = v4_all(d.z), limit = v4_all(height);
     int count = 0;
-    for (size_t k = 0; k < s->part->vertices; k++)
-        count += vec3_dot(corner(s, k), d) >= limit;
+    for (size_t k = 0; k < s->part->vertices; k += 4) {
+        v4 h = dx * v4_load(s->x + k) + dy * v4_load(s->x + s->stride + k) + dz * v4_load(s->x + 2 * s->stride + k);
+        count += __builtin_popcount(m4_bits(h >= limit));
+    }
     return count;
 }
 
-/* Whether a face of one lies on a face or an edge of the other: crossed edges and corners touch in one point. */
-static bool lies_flat(const struct side *a, const struct side *b, struct vec3 normal, double overlap)
+/* Whether a face of one may lie on a face or an edge of the other: crossed edges and corners touch in one point. No corner is
+ * higher along the normal than the nearest point; those that press are lower by less than the overlap. */
+static bool lies_flat(const struct side *a, const struct side *b, struct vec3 apart, const struct gjk_result *r, double overlap)
 {
     if (a->part->faces == 0 || b->part->faces == 0)
         return false;
-    int of_a = corners_within(a, normal, overlap);
+    int of_a = corners_above(a, r->normal, vec3_dot(r->on_a, r->normal) - overlap);
     if (of_a < 2)
         return false;
-    int of_b = corners_within(b, vec3_scale(normal, -1), overlap);
+    int of_b = corners_above(b, vec3_scale(r->normal, -1), vec3_dot(vec3_sub(apart, r->on_b), r->normal) - overlap);
     return of_b >= 2 && of_a + of_b > 4;
 }
 
@@ -258,7 +261,7 @@ static enum scree_status meet_pair(struct convex *c, struct group *g, const stru
         p->due = a->body->position[3] + b->body->position[3] - overlap;
         return SCREE_OK;
     }
-    if (!lies_flat(a, b, r.normal, overlap) || !meet_flat(a, b, apart, &r.normal, p, &now)) {
+    if (!lies_flat(a, b, apart, &r, overlap) || !meet_flat(a, b, apart, &r.normal, p, &now)) {
         struct vec3 middle = vec3_add(vec3_add(r.on_a, r.on_b), vec3_scale(r.normal, a->part->radius - b->part->radius));
         now.normal = r.normal;
         now.points = 1;
