@@ -129,7 +129,9 @@ static enum scree_status read_spec(const cJSON *body, struct job_spec *spec, str
     if (!json)
         return scree_fail(err, SCREE_INVALID, "spec", "spec: is missing");
     enum scree_status status = job_decode(json, spec, err);
-    return status ? status : job_check(spec, requests_memory(), err);
+    if (!status)
+        status = job_check(spec, requests_memory(), err);
+    return status ? status : scree_job_check(spec, err);
 }
 
 static enum scree_status do_check(struct daemon *daemon, const cJSON *body, const char *id, cJSON **result, struct scree_error *err)

@@ -206,7 +206,8 @@ static enum scree_status do_check(struct daemon *daemon, const cJSON *body, cons
     struct study_plan plan;
     struct job_cost cost;
     enum scree_status status = study_decode(json_get(body, "spec"), &plan, err);
-    if (!status && !(status = study_plan_check(&plan, requests_memory(), &cost, err))) {
+    if (!status && !(status = study_plan_check(&plan, requests_memory(), &cost, err)) &&
+        !(status = scree_job_check(&plan.base, err))) {
         cJSON *json = cJSON_CreateObject();
         json_put_real(json, "moving", cost.moving);
         json_put_real(json, "fixed", cost.fixed);

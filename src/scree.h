@@ -66,6 +66,9 @@ struct scree_options {
     int threads;     // 0: the job's own
 };
 
+/* Refuses a job that job_check passes and no world could be made of, as bodies that are not convex: SCREE_INVALID. */
+enum scree_status scree_job_check(const struct job_spec *job, struct scree_error *err);
+
 /* Builds the world of a checked job (job_check). May take seconds for a large
  * one: `cancelled`, polled now and then, makes it return SCREE_CANCELLED.
  * On success *out is owned by the caller. The sink must outlive the world. */

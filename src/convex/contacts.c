@@ -5,26 +5,51 @@
 #include "base/memory.h"
 #include "convex/state.h"
 
-enum scree_status convex_touch(struct convex *c, struct pair *pair, struct scree_error *err)
+static enum scree_status begin(struct convex *c, struct pair *pair, struct scree_error *err)
 {
+    uint32_t slot;
     if (c->spares > 0) {
-        pair->slot = c->spare[--c->spares];
+        slot = c->spare[--c->spares];
     } else {
         enum scree_status status = memory_grow((void **)&c->contact, &c->contact_room, c->contacts + 1, sizeof *c->contact, err);
         if (status || (status = memory_grow((void **)&c->spare, &c->spare_room, c->contacts + 1, sizeof *c->spare, err)))
             return status;
-        pair->slot = (uint32_t)c->contacts++;
+        slot = (uint32_t)c->contacts++;
     }
-    c->contact[pair->slot] = (struct contact){.share = 1};
+    c->contact[slot] = (struct contact){.share = 1, .next = pair->slot};
+    pair->slot = slot;
     return SCREE_OK;
+}
+
+static void end(struct convex *c, struct pair *pair)
+{
+    c->spare[c->spares++] = pair->slot; // there is room for all
+    pair->slot = c->contact[pair->slot].next;
+}
+
+enum scree_status convex_touch(struct convex *c, struct pair *pair, size_t points, struct scree_error *err)
+{
+    enum scree_status status = SCREE_OK;
+    size_t now = convex_points(c, pair);
+    for (; now < points && !status; now++)
+        status = begin(c, pair, err);
+    for (; now > points; now--)
+        end(c, pair);
+    return status;
 }
 
 void convex_part(struct convex *c, struct pair *pair)
 {
-    if (pair->slot == NO_CONTACT)
-        return;
-    c->spare[c->spares++] = pair->slot; // there is room for all
-    pair->slot = NO_CONTACT;
+    while (pair->slot != NO_CONTACT)
+        end(c, pair);
+}
+
+size_t convex_points(const struct convex *c, const struct pair *pair)
+{
+    size_t points = 0;
+    for (uint32_t slot = pair->slot; slot != NO_CONTACT; slot = c->contact[slot].next)
+        points++;
+    return points;
 }
 
 enum scree_status convex_forces(struct convex *c, struct scree_error *err)

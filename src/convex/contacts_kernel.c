@@ -148,28 +148,111 @@ static enum scree_status distance_anew(struct convex *c, const struct group *g, 
 
 /* ---- contacts between bodies ---- */
 
-static enum scree_status press(struct convex *c, struct pair *p, const struct spring_pair *law, const struct spring_motion *motion,
-                               struct vec3 point, struct group *g, struct scree_error *err)
+/* A contact's law at a point; `share` of it is felt. */
+static void press(const struct convex *c, const struct spring_pair *law, const struct spring_motion *motion, struct vec3 point,
+                  double share, struct contact *contact)
 {
-    enum scree_status status = p->slot == NO_CONTACT ? convex_touch(c, p, err) : SCREE_OK;
-    if (status)
-        return status;
-    struct contact *contact = &c->contact[p->slot];
-    p->due = 0;
-    g->touching++;
     contact->point = point;
+    contact->share = share;
     contact->result = spring_memory_step(law, motion, c->setup.step_s, &contact->memory);
     contact->elastic = 0.5 * law->stiffness * motion->overlap * motion->overlap;
+}
+
+/* As many contacts as there are points now; each remembers what the nearest of those before did. */
+static enum scree_status follow(struct convex *c, struct pair *p, const struct patch *now, struct scree_error *err)
+{
+    struct contact before[PATCH_POINTS_MAX];
+    size_t count = 0, k = 0;
+    if (now->points == 1 && p->slot != NO_CONTACT && c->contact[p->slot].next == NO_CONTACT)
+        return SCREE_OK;
+    for (uint32_t slot = p->slot; slot != NO_CONTACT; slot = c->contact[slot].next)
+        before[count++] = c->contact[slot];
+    enum scree_status status = convex_touch(c, p, now->points, err);
+    if (status || count == 0)
+        return status;
+    for (uint32_t slot = p->slot; slot != NO_CONTACT; slot = c->contact[slot].next, k++) {
+        double least = INFINITY;
+        for (size_t other = 0; other < count; other++) {
+            struct vec3 way = vec3_sub(before[other].point, now->point[k].at);
+            if (vec3_dot(way, way) < least) {
+                least = vec3_dot(way, way);
+                c->contact[slot].memory = before[other].memory;
+            }
+        }
+    }
     return SCREE_OK;
+}
+
+/* Points are from a's centre. */
+static enum scree_status touch(struct convex *c, struct group *g, struct pair *p, struct patch *now, struct scree_error *err)
+{
+    const struct body *a = &c->body[g->a], *b = &c->body[g->b];
+    size_t k = 0;
+    for (size_t n = 0; n < now->points; n++)
+        now->point[n].at = vec3_add(vec3_load(a->position), now->point[n].at);
+    enum scree_status status = follow(c, p, now, err);
+    if (status)
+        return status;
+    p->due = 0;
+    g->touching++;
+    for (uint32_t slot = p->slot; slot != NO_CONTACT; slot = c->contact[slot].next, k++) {
+        struct vec3 point = now->point[k].at;
+        struct spring_motion motion = {.overlap = now->point[k].overlap,
+                                       .normal = now->normal,
+                                       .velocity = vec3_sub(body_velocity_at(a, point), body_velocity_at(b, point)),
+                                       .spin = vec3_sub(vec3_load(a->omega), vec3_load(b->omega))};
+        press(c, &c->setup.between, &motion, point, now->point[k].share, &c->contact[slot]);
+    }
+    return SCREE_OK;
+}
+
+/* How many corners are higher along d than that; one may be counted again where the part's are filled up. */
+SIMD_INLINE int corners_above(const struct side *s, struct vec3 d, double height)
+{
+    const v4 dx = v4_all(d.x), dy = v4_all(d.y), dz = v4_all(d.z), limit = v4_all(height);
+    int count = 0;
+    for (size_t k = 0; k < s->part->vertices; k += 4) {
+        v4 h = dx * v4_load(s->x + k) + dy * v4_load(s->x + s->stride + k) + dz * v4_load(s->x + 2 * s->stride + k);
+        count += __builtin_popcount(m4_bits(h >= limit));
+    }
+    return count;
+}
+
+/* Whether a face of one may lie on a face or an edge of the other: crossed edges and corners touch in one point. No corner is
+ * higher along the normal than the nearest point; those that press are lower by less than the overlap. */
+static bool lies_flat(const struct side *a, const struct side *b, struct vec3 apart, const struct gjk_result *r, double overlap)
+{
+    if (a->part->faces == 0 || b->part->faces == 0)
+        return false;
+    int of_a = corners_above(a, r->normal, vec3_dot(r->on_a, r->normal) - overlap);
+    if (of_a < 2)
+        return false;
+    int of_b = corners_above(b, vec3_scale(r->normal, -1), vec3_dot(vec3_sub(apart, r->on_b), r->normal) - overlap);
+    return of_b >= 2 && of_a + of_b > 4;
+}
+
+/* Where two parts press with faces, which are found first unless they touched with them in the step before. */
+static bool meet_flat(const struct side *a, const struct side *b, struct vec3 apart, const struct vec3 *normal, struct pair *p,
+                      struct patch *now)
+{
+    const struct patch_side of_a = {a->part, body_turn(a->body), {0, 0, 0}}, of_b = {b->part, body_turn(b->body), apart};
+    if (normal)
+        p->faces = patch_find(&of_a, &of_b, *normal);
+    patch_measure(&of_a, &of_b, p->faces, now);
+    p->flat = now->points >= 2;
+    return p->flat;
 }
 
 static enum scree_status meet_pair(struct convex *c, struct group *g, const struct side *a, const struct side *b, struct pair *p,
                                    struct scree_error *err)
 {
     struct gjk_result r;
-    struct vec3 centre = vec3_load(a->body->position), apart = vec3_sub(vec3_load(b->body->position), centre);
+    struct patch now;
+    struct vec3 apart = vec3_sub(vec3_load(b->body->position), vec3_load(a->body->position));
     enum scree_status status = SCREE_OK;
     c->counts.queries++;
+    if (p->flat && meet_flat(a, b, apart, NULL, p, &now))
+        return touch(c, g, p, &now, err);
     if (!distance_again(a, b, &p->cache, apart, &r) && (status = distance_anew(c, g, a, b, p, &r, err)))
         return status;
     double overlap = a->part->radius + b->part->radius - r.distance;
@@ -178,13 +261,15 @@ static enum scree_status meet_pair(struct convex *c, struct group *g, const stru
         p->due = a->body->position[3] + b->body->position[3] - overlap;
         return SCREE_OK;
     }
-    struct vec3 middle = vec3_add(vec3_add(r.on_a, r.on_b), vec3_scale(r.normal, a->part->radius - b->part->radius));
-    struct vec3 point = vec3_add(centre, vec3_scale(middle, 0.5));
-    struct spring_motion motion = {.overlap = overlap,
-                                   .normal = r.normal,
-                                   .velocity = vec3_sub(body_velocity_at(a->body, point), body_velocity_at(b->body, point)),
-                                   .spin = vec3_sub(vec3_load(a->body->omega), vec3_load(b->body->omega))};
-    return press(c, p, &c->setup.between, &motion, point, g, err);
+    if (!lies_flat(a, b, apart, &r, overlap) || !meet_flat(a, b, apart, &r.normal, p, &now)) {
+        struct vec3 middle = vec3_add(vec3_add(r.on_a, r.on_b), vec3_scale(r.normal, a->part->radius - b->part->radius));
+        now.normal = r.normal;
+        now.points = 1;
+        now.point[0].at = vec3_scale(middle, 0.5);
+        now.point[0].overlap = overlap;
+        now.point[0].share = 1;
+    }
+    return touch(c, g, p, &now, err);
 }
 
 static void feel(struct body *b, struct vec3 point, struct vec3 force, struct vec3 torque)
@@ -202,16 +287,15 @@ static double share_of(const struct convex *c, const struct group *g)
 static void hand_out(struct convex *c, const struct group *g, size_t pairs)
 {
     double share = share_of(c, g);
-    for (size_t k = 0; k < pairs; k++) {
-        const struct pair *p = &c->near.pair[g->first + k];
-        if (p->slot == NO_CONTACT)
-            continue;
-        struct contact *contact = &c->contact[p->slot];
-        struct vec3 force = vec3_scale(contact->result.force, share), torque = vec3_scale(contact->result.torque, share);
-        contact->share = share;
-        feel(&c->body[g->a], contact->point, force, torque);
-        feel(&c->body[g->b], contact->point, vec3_scale(force, -1), vec3_scale(torque, -1));
-    }
+    for (size_t k = 0; k < pairs; k++)
+        for (uint32_t slot = c->near.pair[g->first + k].slot; slot != NO_CONTACT; slot = c->contact[slot].next) {
+            struct contact *contact = &c->contact[slot];
+            contact->share *= share;
+            struct vec3 force = vec3_scale(contact->result.force, contact->share);
+            struct vec3 torque = vec3_scale(contact->result.torque, contact->share);
+            feel(&c->body[g->a], contact->point, force, torque);
+            feel(&c->body[g->b], contact->point, vec3_scale(force, -1), vec3_scale(torque, -1));
+        }
 }
 
 enum scree_status PER_ISA(convex_meet)(struct convex *c, struct scree_error *err);
@@ -244,10 +328,25 @@ enum scree_status PER_ISA(convex_meet)(struct convex *c, struct scree_error *err
 
 /* ---- contacts with walls ---- */
 
-/* What is under the gate, or has come past it, is not touched by it. */
+/* What is under a gate, or has come past it, is not touched by it. */
 static bool past_gate(const struct gate_now *gate, const struct pair *p, double z, double height)
 {
-    return !gate->stands || z < gate->lift || (p->slot == NO_CONTACT && height < 0);
+    return !gate->stands || z < gate->lift || (p->slot == NO_CONTACT && height < 0 && !gate->hole);
+}
+
+/* How far a corner at x is from a level wall with a hole, which has two sides, and from which way. Over the hole the rim's
+ * nearest point is what it may touch: where a corner comes off the wall that is the same. */
+static double from_rim(const double hole[2][2], struct vec3 x, double height, struct vec3 *away)
+{
+    const double aside[4] = {x.x - hole[0][0], hole[0][1] - x.x, x.y - hole[1][0], hole[1][1] - x.y};
+    static const struct vec3 inwards[4] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}};
+    int nearest = 0;
+    for (int k = 1; k < 4; k++)
+        nearest = aside[k] < aside[nearest] ? k : nearest;
+    double in = aside[nearest] > 0 ? aside[nearest] : 0, far = sqrt(in * in + height * height);
+    if (far > 0)
+        *away = vec3_scale(vec3_add(vec3_scale(*away, height), vec3_scale(inwards[nearest], in)), 1 / far);
+    return far;
 }
 
 static void hand_out_wall(struct convex *c, const struct group *g)
@@ -276,27 +375,32 @@ static enum scree_status meet_wall(struct convex *c, struct group *g, const stru
     double at = vec3_dot(vec3_sub(centre, vec3_load(wall->point)), normal), crust = s->part->radius;
     for (size_t k = 0; k < s->part->vertices; k++) {
         struct pair *p = &pair[k];
-        struct vec3 x = corner(s, k);
-        double height = at + vec3_dot(x, normal), overlap = crust - height;
+        struct vec3 x = corner(s, k), away = normal;
+        double height = at + vec3_dot(x, normal);
+        if (gate->hole)
+            height = from_rim(gate->hole, vec3_add(centre, x), height, &away);
+        double overlap = crust - height;
         if (overlap <= 0) {
             convex_part(c, p);
             *gap = -overlap < *gap ? -overlap : *gap;
             continue;
         }
         *gap = 0;
-        if (gate && past_gate(gate, p, centre.z + x.z, height)) {
+        if (gate->partial && past_gate(gate, p, centre.z + x.z, height)) {
             convex_part(c, p);
             continue;
         }
-        struct vec3 point = vec3_add(centre, vec3_sub(x, vec3_scale(normal, 0.5 * (height + crust))));
+        struct vec3 point = vec3_add(centre, vec3_sub(x, vec3_scale(away, 0.5 * (height + crust))));
         struct spring_motion motion = {.overlap = overlap,
-                                       .normal = vec3_scale(normal, -1),
+                                       .normal = vec3_scale(away, -1),
                                        .velocity = body_velocity_at(s->body, point),
                                        .spin = vec3_load(s->body->omega)};
-        motion.velocity.z -= gate ? gate->speed : 0;
-        enum scree_status status = press(c, p, &c->setup.at_wall, &motion, point, g, err);
+        motion.velocity.z -= gate->speed;
+        enum scree_status status = convex_touch(c, p, 1, err);
         if (status)
             return status;
+        g->touching++;
+        press(c, &c->setup.at_wall, &motion, point, 1, &c->contact[p->slot]);
     }
     return SCREE_OK;
 }
@@ -304,7 +408,6 @@ static enum scree_status meet_wall(struct convex *c, struct group *g, const stru
 enum scree_status PER_ISA(convex_meet_walls)(struct convex *c, struct scree_error *err);
 enum scree_status PER_ISA(convex_meet_walls)(struct convex *c, struct scree_error *err)
 {
-    const struct gate_now gate = convex_gate_now(c);
     for (size_t k = 0; k < c->wall.groups; k++) {
         struct group *g = &c->wall.group[k];
         struct body *a = &c->body[g->a];
@@ -312,10 +415,10 @@ enum scree_status PER_ISA(convex_meet_walls)(struct convex *c, struct scree_erro
         if (a->position[3] < g->due)
             continue;
         g->touching = 0;
+        const struct gate_now gate = convex_gate_now(c, g->b);
         for (size_t p = 0; p < a->shape->parts; p++) {
             struct side s = side_of(c, a, p);
-            enum scree_status status = meet_wall(c, g, &s, c->setup.gate.present && g->b == c->setup.gate.wall ? &gate : NULL,
-                                                 &c->wall.pair[g->first + a->outline->from[p]], &gap, err);
+            enum scree_status status = meet_wall(c, g, &s, &gate, &c->wall.pair[g->first + a->outline->from[p]], &gap, err);
             if (status)
                 return status;
         }

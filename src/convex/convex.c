@@ -211,16 +211,21 @@ enum scree_status convex_advance(struct convex *c, uint64_t steps, struct scree_
 
 /* ---- gate, gravity, base ---- */
 
-struct gate_now convex_gate_now(const struct convex *c)
+struct gate_now convex_gate_now(const struct convex *c, uint32_t wall)
 {
     const struct convex_gate *gate = &c->setup.gate;
-    double since = (double)c->step * c->setup.step_s - gate->start_s;
-    if (!gate->present || since <= 0)
-        return (struct gate_now){.stands = gate->present};
+    double raised = c->walls[wall].raised, since = (double)c->step * c->setup.step_s - gate->start_s;
+    if (!gate->present || wall != gate->wall)
+        return (struct gate_now){.partial = raised > 0, .stands = true, .lift = raised};
+    if (since <= 0)
+        return (struct gate_now){.partial = true, .stands = true, .lift = raised};
+    if (gate->hole[0][0] < gate->hole[0][1])
+        return (struct gate_now){.partial = true, .stands = true, .lift = raised, .hole = gate->hole};
     if (gate->acceleration <= 0)
-        return (struct gate_now){.stands = false};
+        return (struct gate_now){.partial = true};
     double full = gate->speed / gate->acceleration, gaining = fmin(since, full);
-    return (struct gate_now){.stands = true,
+    return (struct gate_now){.partial = true,
+                             .stands = true,
                              .lift = 0.5 * gate->acceleration * gaining * gaining + gate->speed * (since - gaining),
                              .speed = gate->acceleration * gaining};
 }
@@ -263,9 +268,9 @@ void convex_look(const struct convex *c, size_t body, struct convex_body *out)
 static void sum_contacts(const struct convex *c, const struct list *list, size_t *points, double *elastic)
 {
     for (size_t k = 0; k < list->pairs; k++)
-        if (list->pair[k].slot != NO_CONTACT) {
+        for (uint32_t slot = list->pair[k].slot; slot != NO_CONTACT; slot = c->contact[slot].next) {
             ++*points;
-            *elastic += c->contact[list->pair[k].slot].elastic;
+            *elastic += c->contact[slot].elastic * c->contact[slot].share;
         }
 }
 
@@ -313,8 +318,8 @@ uint64_t convex_hash(const struct convex *c)
     const struct list *lists[] = {&c->near, &c->wall};
     for (int l = 0; l < 2; l++)
         for (size_t k = 0; k < lists[l]->pairs; k++)
-            if (lists[l]->pair[k].slot != NO_CONTACT)
-                mix(&hash, &c->contact[lists[l]->pair[k].slot].memory, sizeof(struct spring_memory));
+            for (uint32_t slot = lists[l]->pair[k].slot; slot != NO_CONTACT; slot = c->contact[slot].next)
+                mix(&hash, &c->contact[slot].memory, sizeof(struct spring_memory));
     return hash;
 }
 

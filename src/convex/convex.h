@@ -25,15 +25,18 @@ struct convex_body {
 /* A plane that bodies touch from the side its normal points to. */
 struct convex_wall {
     double point[3], normal[3]; // normal of unit length
+    double raised;              // it is not touched below that height, m; 0: everywhere
 };
 
-/* One of the walls, which slides up in its own plane, or is gone at once, and rubs while it goes. */
+/* One of the walls, which slides up in its own plane, or is gone at once, and rubs while it goes; or a level one in which
+ * a hole opens. */
 struct convex_gate {
     bool present;
     uint32_t wall;
     double start_s;
     double acceleration; // m/s2; 0: it vanishes
     double speed;        // at most, m/s
+    double hole[2][2];   // its sides in x and in y, m; all 0: the whole wall goes
 };
 
 struct convex_setup {

@@ -78,15 +78,26 @@ static void unpack(uint32_t word, uint8_t bytes[4])
         bytes[k] = (uint8_t)(word >> 8 * k);
 }
 
-enum { TOUCHES = 1, SLIDES = 2, ROLLS = 4, COUNT_AT = 8 }; // bits of a pair's flags; the cache's count above them
+enum { FLAT = 1, ALONG_B = 2, FACE_A_AT = 8, FACE_B_AT = 16, COUNT_AT = 8 }; // bits of words
 
-static void save_pair(const struct pair *p, const struct contact *contact, uint32_t who[CONVEX_IMAGE_WHO])
+static void save_pair(const struct convex *c, const struct pair *p, uint32_t who[CONVEX_IMAGE_WHO])
 {
-    who[0] = (uint32_t)p->cache.count << COUNT_AT;
-    if (contact)
-        who[0] |= TOUCHES | (contact->result.slides ? SLIDES : 0U) | (contact->result.rolls ? ROLLS : 0U);
+    who[0] = (uint32_t)convex_points(c, p) | (uint32_t)p->cache.count << COUNT_AT;
     who[1] = packed(p->cache.a);
     who[2] = packed(p->cache.b);
+    who[3] = p->flat
+                 ? FLAT | (p->faces.along_b ? ALONG_B : 0U) | (uint32_t)p->faces.a << FACE_A_AT | (uint32_t)p->faces.b << FACE_B_AT
+                 : 0;
+}
+
+static size_t load_pair(const uint32_t who[CONVEX_IMAGE_WHO], struct pair *p)
+{
+    p->cache.count = (uint8_t)(who[0] >> COUNT_AT);
+    unpack(who[1], p->cache.a);
+    unpack(who[2], p->cache.b);
+    p->flat = who[3] & FLAT;
+    p->faces = (struct patch_faces){(uint8_t)(who[3] >> FACE_A_AT), (uint8_t)(who[3] >> FACE_B_AT), who[3] & ALONG_B};
+    return who[0] & 0xff;
 }
 
 static void save_contact(const struct contact *p, double row[CONVEX_IMAGE_CONTACT])
@@ -98,11 +109,11 @@ static void save_contact(const struct contact *p, double row[CONVEX_IMAGE_CONTAC
     put3(&at, p->point);
     put3(&at, p->result.force);
     put3(&at, p->result.torque);
-    const double rest[] = {p->result.normal, p->elastic, p->share};
+    const double rest[] = {p->result.normal, p->elastic, p->share, p->result.slides, p->result.rolls};
     memcpy(at, rest, sizeof rest);
 }
 
-static void load_contact(const double row[CONVEX_IMAGE_CONTACT], uint32_t flags, struct contact *p)
+static void load_contact(const double row[CONVEX_IMAGE_CONTACT], struct contact *p)
 {
     const double *at = row;
     p->memory.slip = take3(&at);
@@ -114,17 +125,23 @@ static void load_contact(const double row[CONVEX_IMAGE_CONTACT], uint32_t flags,
     p->result.normal = at[0];
     p->elastic = at[1];
     p->share = at[2];
-    p->result.slides = flags & SLIDES;
-    p->result.rolls = flags & ROLLS;
+    p->result.slides = at[3] != 0;
+    p->result.rolls = at[4] != 0;
 }
 
-/* Whether the corners that a pair remembers are there. */
-static bool sound_cache(const struct gjk_cache *cache, size_t of_a, size_t of_b)
+/* Whether the corners and faces that two parts remember are there. */
+static bool sound_pair(const struct pair *p, size_t points, const struct composite_part *a, const struct composite_part *b)
 {
+    const struct gjk_cache *cache = &p->cache;
     for (int k = 0; k < cache->count && k < 4; k++)
-        if (cache->a[k] >= of_a || cache->b[k] >= of_b)
+        if (cache->a[k] >= a->vertices || cache->b[k] >= b->vertices)
             return false;
-    return cache->count <= 4;
+    return cache->count <= 4 && points <= PATCH_POINTS_MAX && (!p->flat || (p->faces.a < a->faces && p->faces.b < b->faces));
+}
+
+static bool sound_corner(const struct pair *p, size_t points)
+{
+    return p->cache.count == 0 && !p->flat && points <= 1;
 }
 
 /* ---- both ways ---- */
@@ -168,11 +185,10 @@ enum scree_status convex_save(const struct convex *c, struct convex_image *image
         }
         for (size_t k = 0; k < lists[l]->pairs; k++, pair++) {
             const struct pair *p = &lists[l]->pair[k];
-            const struct contact *touching = p->slot == NO_CONTACT ? NULL : &c->contact[p->slot];
             m.pair_due[pair] = p->due;
-            save_pair(p, touching, m.who[pair]);
-            if (touching)
-                save_contact(touching, m.contact[contact++]);
+            save_pair(c, p, m.who[pair]);
+            for (uint32_t slot = p->slot; slot != NO_CONTACT; slot = c->contact[slot].next)
+                save_contact(&c->contact[slot], m.contact[contact++]);
         }
     }
     return SCREE_OK;
@@ -200,19 +216,17 @@ static enum scree_status load_pairs(struct convex *c, struct reading *r, struct 
     if (r->pair + count > r->image->scalars.pairs)
         return damaged("pairs are missing", err);
     for (size_t k = 0; k < count && !status; k++, r->pair++) {
-        const uint32_t *who = r->image->who[r->pair];
         struct pair *p = &list->pair[list->pairs++];
-        *p = (struct pair){.due = r->image->pair_due[r->pair], .slot = NO_CONTACT, .cache.count = (uint8_t)(who[0] >> COUNT_AT)};
-        unpack(who[1], p->cache.a);
-        unpack(who[2], p->cache.b);
-        if (wall ? p->cache.count > 0 : !sound_cache(&p->cache, a->part[k / b->parts].vertices, b->part[k % b->parts].vertices))
+        *p = (struct pair){.due = r->image->pair_due[r->pair], .slot = NO_CONTACT};
+        size_t points = load_pair(r->image->who[r->pair], p);
+        if (wall ? !sound_corner(p, points) : !sound_pair(p, points, &a->part[k / b->parts], &b->part[k % b->parts]))
             return damaged("a pair of parts", err);
-        if (!(who[0] & TOUCHES))
-            continue;
-        if (r->contact >= r->image->scalars.contacts)
+        if (points > r->image->scalars.contacts - r->contact)
             return damaged("contacts are missing", err);
-        if (!(status = convex_touch(c, p, err)))
-            load_contact(r->image->contact[r->contact++], who[0], &c->contact[p->slot]);
+        if (points == 0 || (status = convex_touch(c, p, points, err)))
+            continue;
+        for (uint32_t slot = p->slot; slot != NO_CONTACT; slot = c->contact[slot].next)
+            load_contact(r->image->contact[r->contact++], &c->contact[slot]);
         g->touching++;
     }
     return status;

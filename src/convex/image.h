@@ -8,7 +8,7 @@
 
 #include "convex/convex.h"
 
-enum { CONVEX_IMAGE_BODY = 23, CONVEX_IMAGE_WHO = 3, CONVEX_IMAGE_CONTACT = 21 }; // numbers a body, a pair, a contact
+enum { CONVEX_IMAGE_BODY = 23, CONVEX_IMAGE_WHO = 4, CONVEX_IMAGE_CONTACT = 23 }; // numbers a body, a pair, a contact
 
 struct convex_scalars {
     uint64_t bodies, near, wall; // wall: bodies by walls
@@ -23,9 +23,9 @@ struct convex_image {
     double (*body)[CONVEX_IMAGE_BODY];
     uint32_t (*group)[2]; // two bodies, or a body and a wall
     double *group_due;
-    uint32_t (*who)[CONVEX_IMAGE_WHO]; // of all pairs of all groups: flags with the count of the cache, its corners
+    uint32_t (*who)[CONVEX_IMAGE_WHO]; // of all pairs of all groups: how many contacts, the cache's count and corners, faces
     double *pair_due;
-    double (*contact)[CONVEX_IMAGE_CONTACT]; // of the pairs that touch, in their order
+    double (*contact)[CONVEX_IMAGE_CONTACT]; // in the order of pairs
 };
 
 /* Copies the world. */

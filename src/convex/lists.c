@@ -137,14 +137,13 @@ static enum scree_status find_near(struct convex *c, double reach_max, struct sc
 static enum scree_status find_walls(struct convex *c, struct scree_error *err)
 {
     enum scree_status status = SCREE_OK;
-    bool gate = convex_gate_now(c).stands;
     for (uint32_t a = 0; a < c->bodies; a++)
         for (uint32_t w = 0; w < c->setup.wall_count && !status; w++) {
             const struct body *body = &c->body[a];
+            const struct gate_now gate = convex_gate_now(c, w);
             struct vec3 from = vec3_sub(vec3_load(body->position), vec3_load(c->walls[w].point));
             double far = vec3_dot(from, vec3_load(c->walls[w].normal)), reach = body->shape->reach + c->skin;
-            bool is_gate = c->setup.gate.present && w == c->setup.gate.wall; // which has another side, and goes
-            if (far <= reach && !(is_gate && (!gate || far < -reach)))
+            if (far <= reach && gate.stands && !(gate.partial && far < -reach)) // which has another side
                 status = add(&c->wall, a, w, err);
         }
     return status;

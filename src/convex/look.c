@@ -135,8 +135,8 @@ static size_t show_contacts(const struct convex *c, const struct list *list, boo
         const struct group *g = &list->group[k];
         size_t pairs = wall ? c->body[g->a].outline->corners : pairs_between(&c->body[g->a], &c->body[g->b]);
         for (size_t p = 0; p < pairs; p++)
-            if (list->pair[g->first + p].slot != NO_CONTACT)
-                show_contact(c, g, &c->contact[list->pair[g->first + p].slot], wall, &to[shown++]);
+            for (uint32_t slot = list->pair[g->first + p].slot; slot != NO_CONTACT; slot = c->contact[slot].next)
+                show_contact(c, g, &c->contact[slot], wall, &to[shown++]);
     }
     return shown;
 }

@@ -6,6 +6,7 @@
 #include "convex/convex.h"
 #include "convex/kernels.h"
 #include "geom/gjk.h"
+#include "geom/patch.h"
 
 /* Rows of four numbers: a step moves four bodies side by side. */
 struct body {
@@ -31,20 +32,23 @@ struct outline {
     const double *own;                // x, then y, then z, along the own axes, m
 };
 
-/* Points in which parts of two bodies, or a corner of a body and a wall, touch. */
+/* A point in which parts of two bodies, or a corner of a body and a wall, touch. */
 struct contact {
     struct spring_memory memory;
     struct vec3 point; // m
     struct spring_result result;
     double elastic; // J
     double share;   // of the result that the bodies feel
+    uint32_t next;  // of the same pair, or NO_CONTACT
 };
 
 /* Two parts of two bodies, or a corner and a wall. */
 struct pair {
     double due;    // both bodies' travel at which it must be looked at again, m; 0: at every step, as while it touches
-    uint32_t slot; // its contact, or NO_CONTACT
+    uint32_t slot; // the first of its contacts, or NO_CONTACT
     struct gjk_cache cache;
+    bool flat; // they touch with the faces that are named next
+    struct patch_faces faces;
 };
 #define NO_CONTACT UINT32_MAX
 
@@ -92,12 +96,14 @@ struct convex {
 
 void convex_frame_free(struct frame *frame);
 
-/* Whether the gate stands, how far it has risen, m, and how fast it does, m/s. */
+/* Of a wall that does not stand for good, or not all the way down: whether it stands, its lower edge, m, how fast that rises,
+ * m/s, and the hole that has opened in it, or NULL. */
 struct gate_now {
-    bool stands;
+    bool partial, stands;
     double lift, speed;
+    const double (*hole)[2];
 };
-struct gate_now convex_gate_now(const struct convex *convex);
+struct gate_now convex_gate_now(const struct convex *convex, uint32_t wall);
 
 static inline struct turn body_turn(const struct body *b)
 {
@@ -115,9 +121,10 @@ static inline size_t pairs_between(const struct body *a, const struct body *b)
 /* Axes and spin of a body from its orientation and angular momentum. */
 void convex_look_around(struct body *body);
 
-/* A slot for a contact that begins, with nothing remembered; and the end of a pair's contact, if it has one. */
-enum scree_status convex_touch(struct convex *convex, struct pair *pair, struct scree_error *err);
+/* Gives a pair as many contacts as `points`; those that are new remember nothing. And the end of all that it has. */
+enum scree_status convex_touch(struct convex *convex, struct pair *pair, size_t points, struct scree_error *err);
 void convex_part(struct convex *convex, struct pair *pair);
+size_t convex_points(const struct convex *convex, const struct pair *pair);
 
 /* Makes the lists anew; contacts keep their memory. */
 enum scree_status convex_rebuild(struct convex *convex, struct scree_error *err);

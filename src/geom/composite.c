@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include <stdbool.h>
+#include <string.h>
 
 #include "geom/clump.h"
 
@@ -86,6 +87,24 @@ enum scree_status composite_weigh(const struct moments *m, double density, struc
     return SCREE_OK;
 }
 
+/* Vertices and faces of a core, in the axes of the body. */
+static void keep_core(const struct polyhedron *core, const struct turn *own, struct vec3 centre, double crust,
+                      struct composite_part *out)
+{
+    uint8_t corner[POLYHEDRON_VERTICES_MAX];
+    *out = (struct composite_part){.vertices = core->vertices, .radius = crust};
+    for (size_t v = 0; v < core->vertices; v++)
+        vec3_store3(out->vertex[v], turn_in(own, vec3_sub(vec3_load(core->vertex[v]), centre)));
+    for (size_t k = 0; k < core->faces; k++) {
+        size_t count = polyhedron_face(core, k, corner), at = out->first[out->faces];
+        if (count < 3 || at + count > COMPOSITE_LOOP_MAX)
+            continue;
+        memcpy(out->loop + at, corner, count);
+        vec3_store3(out->normal[out->faces++], turn_in(own, vec3_load(core->plane[k])));
+        out->first[out->faces] = (uint16_t)(at + count);
+    }
+}
+
 enum scree_status composite_create(const struct polyhedron *part, size_t parts, double density, double crust, struct composite *out,
                                    struct quat *axes, struct scree_error *err)
 {
@@ -107,12 +126,9 @@ enum scree_status composite_create(const struct polyhedron *part, size_t parts, 
         struct polyhedron core;
         if ((status = polyhedron_shrink(&part[k], crust, &core, err)))
             return status;
-        struct composite_part *p = &out->part[k];
-        p->radius = crust;
-        p->vertices = core.vertices;
+        keep_core(&core, &own, centre, crust, &out->part[k]);
         for (size_t v = 0; v < core.vertices; v++) {
-            struct vec3 x = turn_in(&own, vec3_sub(vec3_load(core.vertex[v]), centre));
-            vec3_store3(p->vertex[v], x);
+            struct vec3 x = vec3_load(out->part[k].vertex[v]);
             out->reach = fmax(out->reach, sqrt(vec3_dot(x, x)) + crust);
         }
     }

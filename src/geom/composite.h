@@ -9,12 +9,16 @@
 
 #include "geom/polyhedron.h"
 
-enum { COMPOSITE_PARTS_MAX = 16 };
+enum { COMPOSITE_PARTS_MAX = 16, COMPOSITE_LOOP_MAX = 2 * (POLYHEDRON_VERTICES_MAX + POLYHEDRON_FACES_MAX) }; // Euler: 2 E
 
 struct composite_part {
     size_t vertices;
     double vertex[POLYHEDRON_VERTICES_MAX][3]; // of the core, from the centre of mass along the own axes, m
     double radius;                             // the crust's thickness; a sphere is one vertex with its radius, m
+    size_t faces;                              // of the core; 0: it is round
+    double normal[POLYHEDRON_FACES_MAX][3];    // outwards, along the own axes
+    uint16_t first[POLYHEDRON_FACES_MAX + 1];  // where each face's corners begin
+    uint8_t loop[COMPOSITE_LOOP_MAX];          // vertices, face by face, counter-clockwise seen from outside
 };
 
 struct composite {

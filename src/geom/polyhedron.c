@@ -252,20 +252,22 @@ static void add_tetrahedron(struct moments *m, struct vec3 a, struct vec3 b, str
     }
 }
 
-/* Orders a face's corners around its normal: each next one leaves all others on its left. */
-static size_t face_corners(const struct polyhedron *p, size_t face, double extent, struct vec3 corner[POLYHEDRON_VERTICES_MAX])
+size_t polyhedron_face(const struct polyhedron *p, size_t face, uint8_t corner[POLYHEDRON_VERTICES_MAX])
 {
-    struct vec3 n = vec3_load(p->plane[face]);
+    const struct vec3 n = vec3_load(p->plane[face]);
+    const double extent = extent_of((const double(*)[3])p->vertex, p->vertices);
     size_t count = 0;
     for (size_t k = 0; k < p->vertices; k++)
         if (fabs(vec3_dot(n, vec3_load(p->vertex[k])) - p->plane[face][3]) < 1e-8 * extent)
-            corner[count++] = vec3_load(p->vertex[k]);
+            corner[count++] = (uint8_t)k;
+    /* Each next one leaves all others on its left. */
     for (size_t k = 1; k + 1 < count; k++)
         for (size_t other = k + 1; other < count; other++) {
-            struct vec3 from = corner[k - 1];
-            struct vec3 side = vec3_cross(vec3_sub(corner[k], from), vec3_sub(corner[other], from));
+            struct vec3 from = vec3_load(p->vertex[corner[k - 1]]);
+            struct vec3 side =
+                vec3_cross(vec3_sub(vec3_load(p->vertex[corner[k]]), from), vec3_sub(vec3_load(p->vertex[corner[other]]), from));
             if (vec3_dot(side, n) < 0) {
-                struct vec3 kept = corner[k];
+                uint8_t kept = corner[k];
                 corner[k] = corner[other];
                 corner[other] = kept;
             }
@@ -276,12 +278,11 @@ static size_t face_corners(const struct polyhedron *p, size_t face, double exten
 void polyhedron_moments(const struct polyhedron *p, struct moments *out)
 {
     assert(p->vertices > 0);
-    double extent = extent_of(p->vertex, p->vertices);
-    struct vec3 corner[POLYHEDRON_VERTICES_MAX];
+    uint8_t at[POLYHEDRON_VERTICES_MAX];
     *out = (struct moments){0};
     for (size_t face = 0; face < p->faces; face++) {
-        size_t count = face_corners(p, face, extent, corner);
+        size_t count = polyhedron_face(p, face, at);
         for (size_t k = 1; k + 1 < count; k++)
-            add_tetrahedron(out, corner[0], corner[k], corner[k + 1]);
+            add_tetrahedron(out, vec3_load(p->vertex[at[0]]), vec3_load(p->vertex[at[k]]), vec3_load(p->vertex[at[k + 1]]));
     }
 }

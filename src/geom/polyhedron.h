@@ -7,6 +7,7 @@
 #define SCREE_GEOM_POLYHEDRON_H
 
 #include <stddef.h>
+#include <stdint.h>
 
 #include "base/quat.h"
 #include "base/status.h"
@@ -43,6 +44,10 @@ enum scree_status polyhedron_shrink(const struct polyhedron *p, double depth, st
 /* What two have in common; out->vertices is 0 when that has no volume. */
 enum scree_status polyhedron_intersect(const struct polyhedron *a, const struct polyhedron *b, struct polyhedron *out,
                                        struct scree_error *err);
+
+/* A face's corners, as the numbers of vertices, counter-clockwise seen from outside; returns how many: none where planes of
+ * others cut the face off. */
+size_t polyhedron_face(const struct polyhedron *p, size_t face, uint8_t corner[POLYHEDRON_VERTICES_MAX]);
 
 /* Exact, by tetrahedra over the faces. */
 void polyhedron_moments(const struct polyhedron *p, struct moments *out);

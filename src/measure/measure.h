@@ -31,6 +31,7 @@ struct measure_site {
     double height;              // of its column over the bed, m; 0: there is no column
     bool gate;                  // is there one?
     double length_x, width_y;   // of a box in which bodies pile up; 0: there is none, m
+    double ledge_z;             // height of a hopper's bottom over the middle of it; 0: there is none, m
     double calm;                // see verdict.h; 0: VERDICT_CALM
 };
 

@@ -13,6 +13,11 @@ static double dam_break_gravity(const struct job_spec *job)
     return params_of(job)->gravity_m_s2;
 }
 
+static const struct body_spec *dam_break_body(const struct job_spec *job)
+{
+    return &params_of(job)->body;
+}
+
 static enum scree_status dam_break_plan(const struct job_spec *job, struct rigid_plan *plan, struct scree_error *err)
 {
     const struct dam_break_params *p = params_of(job);
@@ -25,8 +30,8 @@ static enum scree_status dam_break_plan(const struct job_spec *job, struct rigid
                                             .start_s = p->settle_s,
                                             .acceleration = p->gate_m_s2,
                                             .speed = p->gate_m_s};
-    plan->walls[plan->setup.wall_count++] = (struct convex_wall){{p->column_m, 0, 0}, {-1, 0, 0}};
+    plan->walls[plan->setup.wall_count++] = (struct convex_wall){{p->column_m, 0, 0}, {-1, 0, 0}, 0};
     return rigid_pour(job, (size_t)p->count, p->column_m, p->width_m, plan, err);
 }
 
-const struct rigid_scenario rigid_dam_break = {"dam_break", dam_break_plan, dam_break_gravity};
+const struct rigid_scenario rigid_dam_break = {"dam_break", dam_break_plan, dam_break_gravity, dam_break_body};

@@ -16,6 +16,7 @@
 
 enum { STREAM_POUR = 5 };  // of random numbers
 #define LATTICE_SHARE 0.25 // solid fraction of a lattice of balls from which on it is used
+#define ROOM          1.05 // of a lattice's cell, over what is across a ball
 #define RISE          0.5  // of the ceiling a failed try, of a body's volume over the area
 
 /* Uniform over all orientations (Shoemake 1992). */
@@ -28,9 +29,11 @@ static void any_way(struct rng *rng, double orientation[4])
     orientation[3] = sqrt(u) * cos(b);
 }
 
+/* With room to either side where there is some: balls exactly above each other would stay there. */
 static void on_lattice(struct rng *rng, size_t count, double length, double width, double across, struct convex_body *bodies)
 {
-    size_t along = (size_t)fmax(1, floor(length / across)), over = (size_t)fmax(1, floor(width / across));
+    const double least = ROOM * across;
+    size_t along = (size_t)fmax(1, floor(length / least)), over = (size_t)fmax(1, floor(width / least));
     const double cell[2] = {length / (double)along, width / (double)over};
     for (size_t k = 0; k < count; k++) {
         struct convex_body *b = &bodies[k];

@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-extern const struct rigid_scenario rigid_settle, rigid_dam_break;
+extern const struct rigid_scenario rigid_settle, rigid_dam_break, rigid_hopper;
 
-static const struct rigid_scenario *const all[] = {&rigid_settle, &rigid_dam_break};
+static const struct rigid_scenario *const all[] = {&rigid_settle, &rigid_dam_break, &rigid_hopper};
 
 const struct rigid_scenario *rigid_scenario_find(const char *name)
 {
@@ -77,20 +77,39 @@ static enum scree_status shape_of(const struct body_spec *b, const struct rigid_
     return status ? status : composite_create(&part, 1, m->density_kg_m3, m->crust_m, out, NULL, err);
 }
 
+/* Of the shape's own refusals, which know no fields. */
+static enum scree_status shaped(const struct body_spec *b, const struct rigid_spec *m, struct composite *out,
+                                struct scree_error *err)
+{
+    struct scree_error why = {.message = ""};
+    enum scree_status status = shape_of(b, m, out, &why);
+    const char *path = b->shape >= BODY_HULLS ? "params.body.points_m" : "params.body.shape";
+    if (status && *why.path == '\0')
+        return scree_fail(err, status, path, "%s: %s", path, why.message);
+    return status ? scree_fail(err, status, why.path, "%s", why.message) : SCREE_OK;
+}
+
+enum scree_status rigid_body_check(const struct job_spec *job, const struct body_spec *body, struct scree_error *err)
+{
+    struct composite shape;
+    enum scree_status status = shaped(body, &job->rigid, &shape, err);
+    return status ? status : rigid_step_check(job, shape.mass, err);
+}
+
 /* Between two things of reduced mass m_ij and reduced radius R_ij (eqs 9-12, A5-A9; k_r with R_ij as the published code). */
-static struct spring_pair law_between(const struct rigid_spec *m, double mass, double radius, double friction)
+static struct spring_pair law_between(const struct rigid_spec *m, double mass, double radius, double friction, double rolling)
 {
     double log_e = log(m->restitution);
     double damping = -2 * sqrt(m->stiffness * mass) * log_e / sqrt(M_PI * M_PI + log_e * log_e);
-    double rolled = 3 * m->rolling * m->rolling * radius * radius;
+    double rolled = 3 * rolling * rolling * radius * radius;
     return (struct spring_pair){.stiffness = m->stiffness,
                                 .damping = damping,
-                                .stiffness_t = m->stiffness_t,
+                                .stiffness_t = m->memory ? m->stiffness_t : 0,
                                 .damping_t = 2 * mass * m->rate_t,
                                 .friction = friction,
-                                .stiffness_r = rolled * m->stiffness,
+                                .stiffness_r = m->memory ? rolled * m->stiffness : 0,
                                 .damping_r = rolled * damping,
-                                .rolling_friction = m->rolling,
+                                .rolling_friction = rolling,
                                 .radius = radius,
                                 .clamp = m->clamp};
 }
@@ -100,14 +119,14 @@ enum scree_status rigid_fill(const struct job_spec *job, const struct body_spec 
 {
     const struct rigid_spec *m = &job->rigid;
     *plan = (struct rigid_plan){.setup = {.step_s = job->time.step_s, .gravity = {0, 0, -gravity}, .average = m->average}};
-    enum scree_status status = shape_of(body, m, &plan->shape, err);
+    enum scree_status status = shaped(body, m, &plan->shape, err);
     if (status)
         return status;
     if ((status = rigid_step_check(job, plan->shape.mass, err)))
         return status;
     double radius = cbrt(3 * plan->shape.volume / (4 * M_PI)); // of the sphere of its volume, as in the paper
-    plan->setup.between = law_between(m, 0.5 * plan->shape.mass, 0.5 * radius, m->friction);
-    plan->setup.at_wall = law_between(m, plan->shape.mass, radius, m->at_wall);
+    plan->setup.between = law_between(m, 0.5 * plan->shape.mass, 0.5 * radius, m->friction, m->rolling);
+    plan->setup.at_wall = law_between(m, plan->shape.mass, radius, m->at_wall, m->rolling_wall);
     plan->setup.shapes = &plan->shape;
     plan->setup.shape_count = 1;
     plan->setup.walls = plan->walls;
@@ -116,11 +135,11 @@ enum scree_status rigid_fill(const struct job_spec *job, const struct body_spec 
 
 void rigid_box(struct rigid_plan *plan, double length, double width)
 {
-    const struct convex_wall walls[] = {{{0, 0, 0}, {0, 0, 1}},
-                                        {{0, 0, 0}, {1, 0, 0}},
-                                        {{length, 0, 0}, {-1, 0, 0}},
-                                        {{0, 0, 0}, {0, 1, 0}},
-                                        {{0, width, 0}, {0, -1, 0}}};
+    const struct convex_wall walls[] = {{{0, 0, 0}, {0, 0, 1}, 0},
+                                        {{0, 0, 0}, {1, 0, 0}, 0},
+                                        {{length, 0, 0}, {-1, 0, 0}, 0},
+                                        {{0, 0, 0}, {0, 1, 0}, 0},
+                                        {{0, width, 0}, {0, -1, 0}, 0}};
     memcpy(plan->walls, walls, sizeof walls);
     plan->setup.wall_count = sizeof walls / sizeof *walls;
     plan->length = length;

@@ -15,6 +15,7 @@ struct rigid_plan {
     struct convex_wall walls[RIGID_WALLS_MAX];
     struct convex_body *bodies; // owned
     double length, width;       // of the floor, m
+    double ledge;               // height of a hopper's bottom over it; 0: there is none, m
     bool layer;                 // bodies rest or flow on it as a layer
 };
 void rigid_plan_free(struct rigid_plan *plan);
@@ -24,8 +25,12 @@ struct rigid_scenario {
     enum scree_status (*plan)(const struct job_spec *job, struct rigid_plan *plan, struct scree_error *err);
     /* Of the job's params as they now stand, downwards, m/s2. */
     double (*gravity)(const struct job_spec *job);
+    const struct body_spec *(*body)(const struct job_spec *job);
 };
 const struct rigid_scenario *rigid_scenario_find(const char *name);
+
+/* Refuses bodies that are none: what only their geometry tells, without pouring any. */
+enum scree_status rigid_body_check(const struct job_spec *job, const struct body_spec *body, struct scree_error *err);
 
 /* Shape, law and step of a job's bodies. */
 enum scree_status rigid_fill(const struct job_spec *job, const struct body_spec *body, double gravity, struct rigid_plan *plan,

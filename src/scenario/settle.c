@@ -12,6 +12,11 @@ static double settle_gravity(const struct job_spec *job)
     return params_of(job)->gravity_m_s2;
 }
 
+static const struct body_spec *settle_body(const struct job_spec *job)
+{
+    return &params_of(job)->body;
+}
+
 static enum scree_status settle_plan(const struct job_spec *job, struct rigid_plan *plan, struct scree_error *err)
 {
     const struct settle_params *p = params_of(job);
@@ -23,4 +28,4 @@ static enum scree_status settle_plan(const struct job_spec *job, struct rigid_pl
     return rigid_pour(job, (size_t)p->count, p->length_m, p->width_m, plan, err);
 }
 
-const struct rigid_scenario rigid_settle = {"settle", settle_plan, settle_gravity};
+const struct rigid_scenario rigid_settle = {"settle", settle_plan, settle_gravity, settle_body};

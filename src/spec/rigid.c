@@ -81,8 +81,17 @@ static const struct field fields[] = {
      .max = 10,
      .preset = 0,
      .unit = "",
-     .doc = "coefficient of rolling friction mu_r",
+     .doc = "coefficient of rolling friction mu_r between bodies",
      .source = "seed 001 eqs A1-A9"},
+    {.name = "rolling_friction_wall",
+     .type = FIELD_REAL,
+     AT(rolling_wall),
+     .min = 0,
+     .max = 10,
+     .preset = 0,
+     .unit = "",
+     .doc = "coefficient of rolling friction mu_r between bodies and walls",
+     .source = "seed 001 Table II"},
     {.name = "crust_m",
      .type = FIELD_REAL,
      AT(crust_m),
@@ -106,6 +115,13 @@ static const struct field fields[] = {
      .unit = "",
      .doc = "normal forces never pull; restitution is then larger than asked for",
      .source = "seed 001 eq. 5, targets S1-01"},
+    {.name = "memory",
+     .type = FIELD_BOOL,
+     AT(memory),
+     .preset = 1,
+     .unit = "",
+     .doc = "contacts remember how far they slid and rolled; false: k_t and k_r are nothing, the dashpots alone resist",
+     .source = "seed 001 B.1, V.B"},
 };
 const struct field_table rigid_table = {
     .name = "material",
@@ -123,7 +139,22 @@ const struct rigid_spec rigid_crosses = {.preset = "plastic-crosses",
                                          .friction = 0.46,
                                          .at_wall = 0.62,
                                          .crust_m = 1e-4,
-                                         .average = true};
+                                         .average = true,
+                                         .memory = true};
+
+const struct rigid_spec rigid_beads = {.preset = "hopper-beads",
+                                       .density_kg_m3 = 2500,
+                                       .stiffness = 7.34e5,
+                                       .restitution = 0.45,
+                                       .stiffness_t = 2.26e5,
+                                       .rate_t = 4e4,
+                                       .friction = 0.5,
+                                       .at_wall = 0.45,
+                                       .rolling = 0.45,
+                                       .rolling_wall = 0.1,
+                                       .crust_m = 1e-4,
+                                       .average = true,
+                                       .memory = true};
 
 static const char *const shapes[] = {"cross", "box", "tetrapod", "sphere", "prism", "cylinder", "hulls", "spheres", NULL};
 static const struct field body_fields[] = {

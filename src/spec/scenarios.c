@@ -8,13 +8,12 @@
 
 #include "base/text.h"
 
-const struct scenario_fields *const scenario_list[] = {&scenario_incline_fields,       &scenario_channel_fields,
-                                                       &scenario_collision_fields,     &scenario_chute_fields,
-                                                       &scenario_collapse_fields,      &scenario_tilt_fields,
-                                                       &scenario_layer_fields,         &scenario_gas_fields,
-                                                       &scenario_settle_fields,        &scenario_dam_break_fields,
-                                                       &scenario_rolling_fields,       &scenario_damping_fields,
-                                                       &scenario_plastic_yield_fields, &scenario_contact_parameters_fields};
+const struct scenario_fields *const scenario_list[] = {
+    &scenario_incline_fields,   &scenario_channel_fields,       &scenario_collision_fields,
+    &scenario_chute_fields,     &scenario_collapse_fields,      &scenario_tilt_fields,
+    &scenario_layer_fields,     &scenario_gas_fields,           &scenario_settle_fields,
+    &scenario_dam_break_fields, &scenario_hopper_fields,        &scenario_rolling_fields,
+    &scenario_damping_fields,   &scenario_plastic_yield_fields, &scenario_contact_parameters_fields};
 const size_t scenario_count = sizeof scenario_list / sizeof *scenario_list;
 
 const struct scenario_fields *scenario_find(const char *name)

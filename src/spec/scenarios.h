@@ -8,7 +8,7 @@
 extern const struct scenario_fields scenario_incline_fields, scenario_collision_fields, scenario_chute_fields,
     scenario_collapse_fields, scenario_tilt_fields, scenario_layer_fields, scenario_gas_fields, scenario_settle_fields,
     scenario_dam_break_fields, scenario_rolling_fields, scenario_damping_fields, scenario_plastic_yield_fields,
-    scenario_contact_parameters_fields, scenario_channel_fields;
+    scenario_contact_parameters_fields, scenario_channel_fields, scenario_hopper_fields;
 
 /* Refuses a time step too long for the material at impacts of `speed`, m/s. */
 enum scree_status check_step(const struct job_spec *job, double speed, struct scree_error *err);

@@ -123,13 +123,15 @@ struct rigid_spec {
     double stiffness_t;       // k_t, N/m
     double rate_t;            // gamma_t = eta_t / 2 m_ij, 1/s
     double friction, at_wall; // mu_c between bodies, and between a body and a wall
-    double rolling;           // mu_r of A5-A9
+    double rolling;           // mu_r of A5-A9 between bodies
+    double rolling_wall;      // and between a body and a wall
     double crust_m;           // thickness of the shell in which bodies touch
     bool average;             // forces between two bodies: mean over their points of contact; false: sum
     bool clamp;               // normal forces never pull (eq. 5, which the published code has not)
+    bool memory;              // contacts remember k_t delta_t and k_r delta theta (eqs 6, A2); false: dashpots alone resist
 };
 extern const struct field_table rigid_table;
-extern const struct rigid_spec rigid_crosses; // Table I
+extern const struct rigid_spec rigid_crosses, rigid_beads; // Tables I and II
 
 /* Duration of a head-on contact of reduced mass m_ij, kg (eq. 12), s. */
 double rigid_contact_time(const struct rigid_spec *m, double reduced_mass);
@@ -442,6 +444,17 @@ struct dam_break_params { // seed 001, III: a column of bodies behind a gate tha
     double settle_s;          // when the gate goes
     double gate_m_s2;         // its acceleration upwards; 0: it vanishes
     double gate_m_s;          // speed that it does not exceed
+    struct body_spec body;
+};
+
+struct hopper_params { // seed 001, B.2: a hopper that empties onto a floor
+    double gravity_m_s2;
+    int64_t count;
+    double floor_m;  // side of the square that pictures show
+    double side_m;   // of the hopper
+    double hole_m;   // side of the hole in its bottom
+    double height_m; // of its bottom
+    double settle_s; // when the hole opens
     struct body_spec body;
 };
 

@@ -27,6 +27,8 @@ struct world_kind {
     /* Whether there is such a set-up; what the job's params say of it as they now stand. */
     bool (*knows)(const struct job_spec *job);
     void (*gravity)(const struct job_spec *job, double gravity[3]);
+    /* Refuses what job_check cannot tell and building would, at the price of a few milliseconds. NULL: nothing. */
+    enum scree_status (*check)(const struct job_spec *job, struct scree_error *err);
     /* Where it is measured; site->fall.release is owned by the caller. */
     enum scree_status (*site)(const struct job_spec *job, struct measure_site *site, struct scree_error *err);
 

@@ -26,8 +26,14 @@ static void gravity(const struct job_spec *job, double out[3])
     out[2] = -rigid_scenario_find(job->scenario->name)->gravity(job);
 }
 
-/* Faces that lie on each other touch in one point, which wanders: bodies at rest keep some 1e-5 sqrt(g d). */
-#define WANDERING 1e-4
+static enum scree_status check(const struct job_spec *job, struct scree_error *err)
+{
+    return rigid_body_check(job, rigid_scenario_find(job->scenario->name)->body(job), err);
+}
+
+/* A mean over contacts jumps whenever one of them comes or goes: composites keep some 1e-5 sqrt(g d) at rest, where forces that
+ * are summed leave them 1e-12. */
+#define JUMPING 1e-4
 
 static enum scree_status site(const struct job_spec *job, struct measure_site *out, struct scree_error *err)
 {
@@ -43,10 +49,11 @@ static enum scree_status site(const struct job_spec *job, struct measure_site *o
                                  .region = {-INFINITY, INFINITY},
                                  .length_x = plan.length,
                                  .width_y = plan.width,
-                                 .calm = WANDERING,
-                                 .gate = plan.setup.gate.present,
+                                 .calm = plan.setup.average && plan.shape.parts > 1 ? JUMPING : 0,
+                                 .ledge_z = plan.ledge,
+                                 .gate = plan.setup.gate.present && plan.ledge == 0,
                                  .gate_s = plan.setup.gate.start_s};
-    if (plan.setup.gate.present)
+    if (out->gate)
         out->gate_x = plan.walls[plan.setup.gate.wall].point[0];
     rigid_plan_free(&plan);
     return SCREE_OK;
@@ -171,6 +178,7 @@ const struct world_kind world_kind_convex = {
     .kind = SCENARIO_DEM,
     .knows = knows,
     .gravity = gravity,
+    .check = check,
     .site = site,
     .build = build,
     .free = release,

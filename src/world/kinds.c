@@ -11,3 +11,9 @@ const struct world_kind *world_kind_find(const struct job_spec *job)
             return all[k];
     return NULL;
 }
+
+enum scree_status scree_job_check(const struct job_spec *job, struct scree_error *err)
+{
+    const struct world_kind *kind = world_kind_find(job);
+    return kind && kind->check ? kind->check(job, err) : SCREE_OK;
+}

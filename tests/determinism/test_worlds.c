@@ -82,6 +82,28 @@ static void dam_break(struct job_spec *job)
     assert_int_equal(job_check(job, 0, NULL), SCREE_OK);
 }
 
+/* Beads leave a hopper, past the rim of its hole, and fall to the floor. */
+static void hopper(struct job_spec *job)
+{
+    job_defaults(job, &scenario_hopper_fields);
+    struct hopper_params *p = (struct hopper_params *)(void *)job->params;
+    p->count = 40;
+    p->floor_m = 0.03;
+    p->side_m = 0.012;
+    p->hole_m = 0.008;
+    p->height_m = 0.01;
+    p->settle_s = 0.05;
+    job->rigid.stiffness /= 1000;
+    job->rigid.stiffness_t /= 1000;
+    job->rigid.rate_t /= 32;
+    job->time.step_s = 1.5e-5;
+    job->time.end_s = 0.12;
+    job->record.basal_force.every_s = 3e-3;
+    job->record.bulk.every_s = 3e-3;
+    job->record.heap.every_s = 3e-3;
+    assert_int_equal(job_check(job, 0, NULL), SCREE_OK);
+}
+
 /* A sphere that rocks long enough to be fitted. */
 static void rolling(struct job_spec *job)
 {
@@ -188,7 +210,7 @@ static void a_fork_goes_on_alike(void **state)
     struct scree_number x[SCREE_SUMMARY_MAX], y[SCREE_SUMMARY_MAX];
     size_t n = scree_world_summary(world, x);
     assert_int_equal(scree_world_summary(fork, y), n);
-    assert_true(n > 8);
+    assert_true(n > 5);
     for (size_t k = 0; k < n; k++)
         assert_memory_equal(&x[k].value, &y[k].value, sizeof x[k].value);
     assert_int_equal(end(world), hash);
@@ -252,6 +274,8 @@ static void bits_are_those_of_the_golden_hashes(void **state)
         set_up *of;
         uint64_t hash, chunks;
     } golden[] = {{"rolling", rolling, 0x39209552bfaaf16du, 0xba2019a6bc222f4au},
+                  {"dam_break", dam_break, 0xdbcc5824706e8297u, 0xcb1b2205f0efbf44u},
+                  {"hopper", hopper, 0xccbacadcdf75e43au, 0xf21d72a1f58471a5u},
                   {"impact", impact, 0xcde37eb0813dc4dbu, 0x9d9547db8f88ebd2u},
                   {"yield", yield, 0x76a975b585d14314u, 0},
                   {"damping", damping, 0xd150a2fb2924a82cu, 0}};
@@ -268,7 +292,8 @@ static void bits_are_those_of_the_golden_hashes(void **state)
 int main(void)
 {
     static struct job_of a_collapse = {collapse, 53}, a_layer = {layer, 170}, a_dam_break = {dam_break, 33000},
-                         a_channel = {channel, 200123}, a_sphere = {rolling, 5000}, an_impact = {impact, 5000};
+                         a_hopper = {hopper, 5003}, a_channel = {channel, 200123}, a_sphere = {rolling, 5000},
+                         an_impact = {impact, 5000};
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_prestate(slices_and_threads_do_not_show, &a_collapse),
         cmocka_unit_test_prestate(a_fork_goes_on_alike, &a_collapse),
@@ -279,6 +304,9 @@ int main(void)
         cmocka_unit_test_prestate(slices_and_threads_do_not_show, &a_dam_break),
         cmocka_unit_test_prestate(a_fork_goes_on_alike, &a_dam_break),
         cmocka_unit_test_prestate(a_restart_does_not_show, &a_dam_break),
+        cmocka_unit_test_prestate(slices_and_threads_do_not_show, &a_hopper),
+        cmocka_unit_test_prestate(a_fork_goes_on_alike, &a_hopper),
+        cmocka_unit_test_prestate(a_restart_does_not_show, &a_hopper),
         cmocka_unit_test_prestate(slices_and_threads_do_not_show, &a_sphere),
         cmocka_unit_test_prestate(a_fork_goes_on_alike, &a_sphere),
         cmocka_unit_test_prestate(a_restart_does_not_show, &a_sphere),

@@ -293,6 +293,19 @@ class NoDaemon(Client):
 
 
 class PrivateRun(Client):
+    def test_bodies_that_are_none_are_refused_before_they_are_queued(self):
+        """What only geometry tells, by field: a job and a study of it."""
+        dent = "0 0 0, 0.02 0 0, 0 0.02 0, 0 0 0.02, 0.004 0.004 0.004"
+        flat = "0 0 0, 0.02 0 0, 0 0.02 0, 0.02 0.02 0"
+        apart = "0 0 0, 0.02 0 0, 0 0.02 0, 0 0 0.02; 0.1 0 0, 0.12 0 0, 0.1 0.02 0, 0.1 0 0.02"
+        for points, words in ((dent, "not convex"), (flat, "part 0"), (apart, "shares no volume")):
+            job = {"scenario": "settle", "params": {"count": 2, "length_m": 0.3, "width_m": 0.3,
+                                                    "body": {"shape": "hulls", "points_m": points}},
+                   "material": {"stiffness_N_m": 1e7}, "time": {"step_s": 1e-6, "end_s": 1e-3}}
+            for spec in job, {"study": "sweep", "job": job, "grid": {"seed": [1, 2]}}:
+                self.refused(self.scree("run", self.spec(spec)), "params.body.points_m", words)
+        self.nothing_left()
+
     def test_runs_fetches_and_leaves_nothing_else(self):
         ended = self.scree("run", self.spec(COLLISION), "-o", "out")
         self.assertEqual(ended.returncode, 0, ended)

@@ -47,7 +47,8 @@ static void refusals_name_path_value_range_and_unit(void **state)
          SCREE_INVALID},
         {"{\"scenario\":\"inclin\"}", "scenario",
          "scenario: \"inclin\" is none of \"incline\", \"channel\", \"collision\", \"chute\", \"collapse\", \"tilt\", "
-         "\"layer\", \"gas\", \"settle\", \"dam_break\", \"rolling\", \"damping\", \"plastic_yield\", \"contact_parameters\"",
+         "\"layer\", \"gas\", \"settle\", \"dam_break\", \"hopper\", \"rolling\", \"damping\", \"plastic_yield\", "
+         "\"contact_parameters\"",
          SCREE_INVALID},
         {"{}", "scenario", "scenario: is missing; it names the set-up, as `scree scenarios` lists them", SCREE_INVALID},
         {"[1]", "", "the job: expected an object, got an array", SCREE_INVALID},

@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "measure/pile.h"
+#include "measure/repose.h"
 
 /* Boxes with edges along the axes, one part each, and crusts of radius r. */
 enum { BOXES_MAX = 40 };
@@ -118,6 +119,32 @@ static void shares_below_a_threshold(void **state)
     assert_int_equal(pile_first_below(share, 5, 4, 0.1), 5);
 }
 
+/* A cone of bodies at 30 degrees, and one that is still in the hopper. */
+static void slope_of_a_cone(void **state)
+{
+    (void)state;
+    enum { SIDE = 80 };
+    static struct view_body beads[SIDE * SIDE + 1];
+    const double spacing = 2e-3, floor = 0.16, volume = 4 * M_PI / 3 * 1e-9, slope = tan(M_PI / 6);
+    for (int k = 0; k < SIDE * SIDE; k++) {
+        double x = (k % SIDE + 0.5) * spacing, y = (double)(k / SIDE) * spacing + 1e-3, z = 0.04;
+        z -= slope * hypot(x - floor / 2, y - floor / 2);
+        beads[k] = (struct view_body){.position = {x, y, fmax(0, z - 1e-3)}, .volume = volume};
+    }
+    beads[SIDE * SIDE] = (struct view_body){.position = {0.08, 0.08, 0.2}, .volume = volume};
+    const struct view v = {.bodies = SIDE * SIDE + 1, .body = beads};
+    struct repose r;
+    assert_int_equal(repose_measure(&v, floor, 0.1, 4e-3, &r, NULL), SCREE_OK);
+    assert_near(r.angle, 30, 1);
+    assert_near(r.height, 0.038, 2e-3);
+    assert_near(r.left * (double)v.bodies, 1, 1e-9);
+    repose_free(&r);
+    const struct view none = {.bodies = 1, .body = beads + SIDE * SIDE};
+    assert_int_equal(repose_measure(&none, floor, 0.1, 4e-3, &r, NULL), SCREE_OK);
+    assert_true(r.height == 0 && r.left == 1);
+    repose_free(&r);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -126,6 +153,7 @@ int main(void)
         cmocka_unit_test_setup(height_is_that_of_the_highest_body_across, empty),
         cmocka_unit_test_setup(a_sphere_covers_its_disc, empty),
         cmocka_unit_test(shares_below_a_threshold),
+        cmocka_unit_test(slope_of_a_cone),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -99,6 +99,27 @@ static void several_threads(void **state)
     refused(&job, "threads", "threads: 2: worlds of rigid bodies step in one thread, several jobs at once");
 }
 
+static void hopper_that_does_not_let_go(void **state)
+{
+    (void)state;
+    struct job_spec job;
+    job_defaults(&job, &scenario_hopper_fields);
+    assert_int_equal(job_check(&job, 0, NULL), SCREE_OK);
+    struct hopper_params *p = (struct hopper_params *)(void *)job.params, good = *p;
+    p->hole_m = 0.05;
+    refused(&job, "params.hole_m", "params.hole_m: a hole of 0.05 m leaves no bottom to a hopper of 0.05 m");
+    *p = good;
+    p->side_m = 0.4;
+    refused(&job, "params.side_m", "params.side_m: a hopper of 0.4 m is wider than its floor of 0.3 m");
+    *p = good;
+    p->height_m = 0.001;
+    refused(&job, "params.height_m",
+            "params.height_m: a body that is 0.002 m across does not get out of a hopper 0.001 m over the floor");
+    *p = good;
+    p->settle_s = 4;
+    refused(&job, "params.settle_s", "params.settle_s: the hole opens at 4 s, and the run ends at 4 s");
+}
+
 static void heap_of_what_has_no_bodies(void **state)
 {
     (void)state;
@@ -119,6 +140,7 @@ int main(void)
         cmocka_unit_test(step_too_long_for_a_contact),
         cmocka_unit_test(records_of_spheres),
         cmocka_unit_test(several_threads),
+        cmocka_unit_test(hopper_that_does_not_let_go),
         cmocka_unit_test(heap_of_what_has_no_bodies),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
