@@ -364,6 +364,7 @@ static cJSON *encode_table(const struct field_table *table, const void *object)
 
 cJSON *job_encode(const struct job_spec *job)
 {
+    unsigned long before = json_lacked();
     cJSON *json = cJSON_CreateObject();
     if (!json)
         return NULL;
@@ -371,12 +372,10 @@ cJSON *job_encode(const struct job_spec *job)
     table_encode_into(json, &job_table, job);
     json_put(json, "params", encode_table(job->scenario->params, job->params));
     cJSON *material = cJSON_CreateObject();
-    if (material) {
-        json_put_text(material, "preset", job->material.preset);
-        table_encode_into(material, scenario_material(job->scenario)->table, &job->material);
-        json_put(json, "material", material);
-    }
-    return json;
+    json_put_text(material, "preset", job->material.preset);
+    table_encode_into(material, scenario_material(job->scenario)->table, &job->material);
+    json_put(json, "material", material);
+    return json_whole(json, before); // a key that is not there would be read as its default
 }
 
 enum scree_status job_json_set(cJSON *json, const char *assignment, struct scree_error *err)
@@ -384,13 +383,14 @@ enum scree_status job_json_set(cJSON *json, const char *assignment, struct scree
     const char *equals = strchr(assignment, '=');
     if (!equals || equals == assignment)
         return scree_fail(err, SCREE_INVALID, "", "\"%s\" is not path=value", assignment);
+    unsigned long before = json_lacked();
     cJSON *value = NULL, *object = json;
     const char *digits = equals + 1;
     if (strspn(digits, "+-.0123456789eE") == strlen(digits) && strpbrk(digits, "0123456789") && !isfinite(strtod(digits, NULL)))
         return scree_fail(err, SCREE_INVALID, "", "%s: a number beyond the range of double precision", assignment);
     if (json_read(equals + 1, strlen(equals + 1), "value", &value, NULL))
         value = cJSON_CreateString(equals + 1);
-    for (const char *rest = assignment; value && object;) {
+    for (const char *rest = assignment; value && object && json_lacked() == before;) {
         char name[64];
         size_t length = strcspn(rest, ".=");
         if (length == 0 || length >= sizeof name || !cJSON_IsObject(object)) {
@@ -402,7 +402,10 @@ enum scree_status job_json_set(cJSON *json, const char *assignment, struct scree
         if (rest[length] == '=') {
             cJSON_DeleteItemFromObjectCaseSensitive(object, name);
             json_put(object, name, value);
-            return SCREE_OK;
+            value = NULL;
+            if (json_lacked() == before)
+                return SCREE_OK;
+            break;
         }
         cJSON *next = cJSON_GetObjectItemCaseSensitive(object, name);
         if (!next || cJSON_IsNull(next)) {

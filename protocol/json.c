@@ -345,11 +345,13 @@ cJSON *json_real(double value)
 }
 
 static _Thread_local bool starved;
+static _Thread_local unsigned long lacked;
 
 static void *watched_malloc(size_t size)
 {
     void *memory = malloc(size);
     starved |= !memory;
+    lacked += !memory;
     return memory;
 }
 
@@ -364,6 +366,19 @@ bool json_starved(void)
     bool was = starved;
     starved = false;
     return was;
+}
+
+unsigned long json_lacked(void)
+{
+    return lacked;
+}
+
+cJSON *json_whole(cJSON *json, unsigned long before)
+{
+    if (lacked == before)
+        return json;
+    cJSON_Delete(json);
+    return NULL;
 }
 
 void json_put(cJSON *object, const char *key, cJSON *item)

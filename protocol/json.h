@@ -31,6 +31,11 @@ cJSON *json_real(double value);
 
 /* Whether a tree of this thread has lacked memory since the last call: it is valid then, but not whole. */
 bool json_starved(void);
+/* How often trees of this thread have lacked memory. What will be read again must be whole, since a key that is not there
+ * has its default then: */
+unsigned long json_lacked(void);
+/* `json`; NULL, and `json` freed, if memory has lacked since json_lacked() was `before`. */
+cJSON *json_whole(cJSON *json, unsigned long before);
 
 /* Adds under a key; on lack of memory the tree stays valid without it. */
 void json_put(cJSON *object, const char *key, cJSON *item);

@@ -467,6 +467,7 @@ void study_plan_free(struct study_plan *plan)
 
 cJSON *study_encode(const struct study_plan *plan)
 {
+    unsigned long before = json_lacked();
     cJSON *json = cJSON_CreateObject(), *seeds = cJSON_CreateArray();
     if (!json || !seeds) {
         cJSON_Delete(json);
@@ -487,7 +488,7 @@ cJSON *study_encode(const struct study_plan *plan)
         json_put(json, "grid", grid);
     }
     json_put(json, "job", cJSON_Duplicate(plan->job, true));
-    return json;
+    return json_whole(json, before);
 }
 
 cJSON *study_describe(enum study_kind kind)

@@ -308,7 +308,9 @@ static enum scree_status permit(struct control *c, const struct envelope *envelo
 
 static void bad_request(struct control *c, const void *peer, size_t peer_size, const char *id, const struct scree_error *error)
 {
-    send_reply(c, peer, peer_size, reply_error(id, "bad_request", error));
+    /* What memory did not suffice to read may be a good one. */
+    const char *code = error->status == SCREE_NO_MEMORY ? scree_status_word(error->status) : "bad_request";
+    send_reply(c, peer, peer_size, reply_error(id, code, error));
 }
 
 static void handle(struct control *c, const void *peer, size_t peer_size, zmq_msg_t *header, zmq_msg_t *body)
@@ -517,8 +519,8 @@ enum scree_status control_run(const struct config *config, struct scree_error *e
     const struct studies_watch study_watch = {.changed = study_changed, .context = c};
     if (*config->log && (status = log_open(config->log, err)))
         goto out;
-    if ((status = notify_open(&c->notify, config->stall_s, err)) || (status = open_sockets(c, err)) ||
-        (status = scheduler_open(&c->daemon.scheduler, config, c->wake_fd, &watch, err)) ||
+    if ((status = scree_prepare(err)) || (status = notify_open(&c->notify, config->stall_s, err)) ||
+        (status = open_sockets(c, err)) || (status = scheduler_open(&c->daemon.scheduler, config, c->wake_fd, &watch, err)) ||
         (status = studies_open(&c->daemon.studies, c->daemon.scheduler, config, &study_watch, err)) ||
         (status = streams_open(&c->streams, c->stream, c->daemon.scheduler, c->auth, config->max_streams, err)))
         goto out;

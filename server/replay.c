@@ -45,15 +45,17 @@ cJSON *scheduler_steering(const struct scheduler *s, const struct job *job)
 /* What is known of where the job came from, and that it is to be replayed. */
 static char *replay_origin(const struct job *job)
 {
+    unsigned long before = json_lacked();
     cJSON *origin = NULL, *replay;
-    if (!*job->origin || json_read(job->origin, strlen(job->origin), "origin", &origin, NULL))
-        origin = cJSON_CreateObject();
+    if (*job->origin ? json_read(job->origin, strlen(job->origin), "origin", &origin, NULL) : !(origin = cJSON_CreateObject()))
+        return NULL;
     cJSON_DeleteItemFromObjectCaseSensitive(origin, "replay");
     replay = cJSON_AddObjectToObject(origin, "replay");
     json_put_text(replay, "job", job->id);
     if (job->state == JOB_CANCELLED)
         json_put_int(replay, "stop_step", (long long)job->report.steps);
-    char *text = json_print(origin, false);
+    origin = json_whole(origin, before);
+    char *text = origin ? json_print(origin, false) : NULL;
     cJSON_Delete(origin);
     return text;
 }

@@ -403,9 +403,11 @@ static enum scree_status read_assignments(const cJSON *body, enum command_op op,
     {
         return scree_fail(err, SCREE_INVALID, "set", "set: an array of texts \"path=value\" is expected");
     }
+    unsigned long before = json_lacked();
     cJSON *detail = cJSON_CreateObject();
     json_put(detail, "set", set ? cJSON_Duplicate(set, true) : cJSON_CreateArray());
-    *out = json_print(detail, false);
+    detail = json_whole(detail, before);
+    *out = detail ? json_print(detail, false) : NULL;
     cJSON_Delete(detail);
     return *out ? SCREE_OK : scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for a command");
 }

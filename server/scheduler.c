@@ -73,8 +73,11 @@ double scheduler_monotonic(void)
 
 enum scree_status scheduler_write_job(struct scheduler *s, const struct job *job, enum job_state state, struct scree_error *err)
 {
-    cJSON *json = outcome_json(&job->report);
-    char *outcome = json ? json_print(json, false) : NULL;
+    unsigned long before = json_lacked();
+    cJSON *json = json_whole(outcome_json(&job->report), before);
+    if (!json)
+        return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for what a job came to");
+    char *outcome = json_print(json, false);
     const struct journal_row row = {.number = job->number,
                                     .state = job_state_word(state),
                                     .build = job->build,

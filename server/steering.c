@@ -210,12 +210,14 @@ static enum scree_status make_child(struct scheduler *s, struct command *c, cons
     struct job_spec to;
     struct job *child = NULL;
     char request[JOB_REQUEST_MAX + 8];
+    unsigned long before = json_lacked();
     cJSON *origin = cJSON_CreateObject(), *fork = cJSON_AddObjectToObject(origin, "fork");
     json_put_text(fork, "job", c->job->id);
     json_put_int(fork, "step", (long long)step);
     json_put_text(fork, "file", file);
     json_put(fork, "spec", job_encode(from));
-    char *text = json_print(origin, false);
+    origin = json_whole(origin, before);
+    char *text = origin ? json_print(origin, false) : NULL;
     snprintf(request, sizeof request, "%s:fork", c->request); // no client can send that, and it starts with the user
     enum scree_status status = text ? SCREE_OK : scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for a fork");
     if (!status && !(status = steering_change(from, c->detail, &to, err)) && !(status = job_check(&to, 0, err)) &&

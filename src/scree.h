@@ -141,6 +141,10 @@ void scree_image_free(struct scree_image *image);
 
 /* ---- checkpoints (HDF5: one thread of a process makes these calls) ---- */
 
+/* Makes libhdf5 set up all of itself now: what it has no memory for in the midst of a first use it is without for good.
+ * SCREE_NO_MEMORY. */
+enum scree_status scree_prepare(struct scree_error *err);
+
 /* As scree_checkpoint_write, of an image. */
 enum scree_status scree_image_write(const struct scree_image *image, const char *path, struct scree_error *err);
 

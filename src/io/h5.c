@@ -9,6 +9,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "scree.h"
+
 static bool ready(const struct h5 *h5)
 {
     return h5->status == SCREE_OK;
@@ -64,7 +66,7 @@ void h5_group(struct h5 *h5, const char *at)
         return;
     hid_t parents = with_parents(), group = H5Gcreate2(h5->file, at, parents, H5P_DEFAULT, H5P_DEFAULT);
     check(h5, group, "making group", at);
-    H5Gclose(group);
+    check(h5, H5Gclose(group), "closing", at);
     H5Pclose(parents);
 }
 
@@ -75,8 +77,8 @@ static void attribute(struct h5 *h5, const char *at, const char *name, hid_t typ
     check(h5, made, "making attribute", name);
     if (made >= 0)
         check(h5, H5Awrite(made, type, value), "writing attribute", name);
-    H5Aclose(made);
-    H5Oclose(object);
+    check(h5, H5Aclose(made), "closing attribute", name);
+    check(h5, H5Oclose(object), "closing", at);
     H5Sclose(space);
 }
 
@@ -120,7 +122,7 @@ static void growing(struct h5 *h5, const char *at, int rank, const hsize_t *size
     H5Pset_deflate(list, 1);
     hid_t set = H5Dcreate2(h5->file, at, H5T_IEEE_F64LE, space, parents, list, H5P_DEFAULT);
     check(h5, set, "making", at);
-    H5Dclose(set);
+    check(h5, H5Dclose(set), "closing", at);
     H5Pclose(parents);
     H5Pclose(list);
     H5Sclose(space);
@@ -141,7 +143,7 @@ static void append(struct h5 *h5, const char *at, int rank, const hsize_t *count
     check(h5, H5Dwrite(set, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, values), "writing", at);
     H5Sclose(memory);
     H5Sclose(space);
-    H5Dclose(set);
+    check(h5, H5Dclose(set), "writing", at); // what it still held
 }
 
 void h5_table(struct h5 *h5, const char *at, size_t columns, size_t chunk_rows)
@@ -178,7 +180,7 @@ static void whole(struct h5 *h5, const char *at, hid_t file_type, hid_t type, hi
     check(h5, set, "making", at);
     if (set >= 0)
         check(h5, H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), "writing", at);
-    H5Dclose(set);
+    check(h5, H5Dclose(set), "writing", at);
     H5Pclose(parents);
     H5Sclose(space);
 }
@@ -235,5 +237,25 @@ enum scree_status h5_into_place(const char *part, const char *path, struct scree
         fsync(directory);
         close(directory);
     }
+    return SCREE_OK;
+}
+
+enum scree_status scree_prepare(struct scree_error *err)
+{
+    const double numbers[2] = {1, 2};
+    const int64_t integers[2] = {1, 2};
+    struct h5 h5 = {.path = "in memory"};
+    H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+    hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+    H5Pset_fapl_core(access, 1 << 16, false);
+    h5.file = H5Fcreate("scree", H5F_ACC_TRUNC, H5P_DEFAULT, access);
+    H5Pclose(access);
+    check(&h5, h5.file, "creating", "a file");
+    h5_attribute_text(&h5, "/", "text", "text");
+    h5_table(&h5, "/group/numbers", 0, 2);
+    h5_append(&h5, "/group/numbers", numbers, 2, 0);
+    h5_integers(&h5, "/group/integers", integers, 2);
+    if (h5_close(&h5, NULL))
+        return scree_fail(err, SCREE_NO_MEMORY, NULL, "libhdf5 cannot be used: no memory for it?");
     return SCREE_OK;
 }

@@ -332,8 +332,8 @@ enum scree_status scree_result_write(const struct scree_result *r, const struct 
     write_table(&h5, "/parameters/params", r->job->scenario->params, r->job->params);
     write_table(&h5, "/parameters/material", scenario_material(r->job->scenario)->table, &r->job->material);
     write_table(&h5, "/parameters/job", &job_table, r->job);
-    enum scree_status status = h5.status ? h5.status : write_streams(&h5, r, source, err);
-    enum scree_status closed = h5_close(&h5, status ? NULL : err);
+    enum scree_status status = h5.status ? SCREE_OK : write_streams(&h5, r, source, err);
+    enum scree_status closed = h5_close(&h5, status ? NULL : err); // which tells of any failure before
     if (!status)
         status = closed;
     if (!status)
