@@ -328,27 +328,40 @@ static void answer_all(struct scheduler *s, const struct job *job)
             answer(s, s->commands[k], NULL);
 }
 
-bool steering_paused(struct scheduler *s, struct job *job)
+/* Pauses that wait have taken effect where the job now stands: into the open transaction, and, once that is written, here.
+ * Returns how many. */
+static size_t take_pauses(struct scheduler *s, const struct job *job, bool written, enum scree_status *status,
+                          struct scree_error *err)
 {
-    struct scree_error error = {0};
-    bool paused = false;
-    enum scree_status status = journal_begin(s->journal, &error);
+    size_t count = 0;
     for (size_t k = 0; k < s->command_count; k++) {
         struct command *c = s->commands[k];
         if (c->job != job || c->op != COMMAND_PAUSE || c->step != COMMAND_PENDING)
             continue;
-        paused = true;
-        if (!status)
-            status = give_step(s, c, (int64_t)job->report.steps, 0, &error);
+        count++;
+        struct journal_command row = row_of(c);
+        row.step = (int64_t)job->report.steps;
+        if (written)
+            c->step = row.step;
+        else if (!*status)
+            *status = journal_command_update(journal_commands(s->journal), &row, err);
     }
+    return count;
+}
+
+bool steering_paused(struct scheduler *s, struct job *job)
+{
+    struct scree_error error = {0};
+    enum scree_status status = journal_begin(s->journal, &error);
+    bool paused = take_pauses(s, job, false, &status, &error) > 0;
     if (!status && paused)
         status = scheduler_write_job(s, job, JOB_PAUSED, &error);
     if ((status = journal_end(s->journal, status, &error)))
-        log_line(LOG_ERROR, "job=%s state=paused %s", job->id,
-                 error.message); // waiting in the journal, it is obeyed at the next start
-    if (paused) {
+        log_line(LOG_ERROR, "job=%s state=paused %s", job->id, error.message); // the pauses wait on, at most until it is resumed
+    else
+        take_pauses(s, job, true, &status, &error);
+    if (paused)
         scheduler_set_state(s, job, JOB_PAUSED);
-    }
     answer_all(s, job); // a job that is held instead may be so for hours: nobody waits for its next run
     return paused;
 }
@@ -425,10 +438,14 @@ static enum scree_status at_once(struct scheduler *s, const char *request, struc
         return status;
     if (!(status = steering_insert(s, request, job, op, detail, (int64_t)job->report.steps, &c, err)) && state != JOB_STATES)
         status = scheduler_write_job(s, job, state, err);
+    if (op == COMMAND_RESUME)
+        take_pauses(s, job, false, &status, err);
     if ((status = journal_end(s->journal, status, err))) {
         steering_forget(s, c);
         return status;
     }
+    if (op == COMMAND_RESUME)
+        take_pauses(s, job, true, &status, err);
     if (state != JOB_STATES)
         scheduler_set_state(s, job, state);
     if (op == COMMAND_SET)
