@@ -8,16 +8,7 @@
 #define AT(member) .offset = offsetof(struct dam_break_params, member)
 
 static const struct field fields[] = {
-    {.name = "gravity_m_s2",
-     .type = FIELD_REAL,
-     AT(gravity_m_s2),
-     .min = 1e-3,
-     .max = 1e3,
-     .preset = 9.81,
-     .unit = "m/s2",
-     .doc = "acceleration of gravity",
-     .source = "",
-     .steerable = true},
+    SPEC_GRAVITY_ROW(AT(gravity_m_s2)),
     {.name = "count",
      .type = FIELD_INT,
      AT(count),

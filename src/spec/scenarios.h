@@ -10,6 +10,13 @@ extern const struct scenario_fields scenario_incline_fields, scenario_collision_
     scenario_dam_break_fields, scenario_rolling_fields, scenario_damping_fields, scenario_plastic_yield_fields,
     scenario_contact_parameters_fields, scenario_channel_fields, scenario_hopper_fields;
 
+/* The row of a gravity that always pulls down and can be steered; `at` is where its struct keeps it. */
+#define SPEC_GRAVITY_ROW(at)                                                                                                       \
+    {                                                                                                                              \
+        .name = "gravity_m_s2", .type = FIELD_REAL, at, .min = 1e-3, .max = 1e3, .preset = 9.81, .unit = "m/s2",                   \
+        .doc = "acceleration of gravity", .source = "", .steerable = true                                                          \
+    }
+
 /* Refuses a time step too long for the material at impacts of `speed`, m/s. */
 enum scree_status check_step(const struct job_spec *job, double speed, struct scree_error *err);
 
