@@ -344,13 +344,11 @@ cJSON *json_real(double value)
     return cJSON_CreateRaw(text);
 }
 
-static _Thread_local bool starved;
-static _Thread_local unsigned long lacked;
+static _Thread_local unsigned long lacked, told; // failed requests; those that json_starved has told of
 
 static void *watched_malloc(size_t size)
 {
     void *memory = malloc(size);
-    starved |= !memory;
     lacked += !memory;
     return memory;
 }
@@ -363,8 +361,8 @@ __attribute__((constructor)) static void watch_memory(void)
 
 bool json_starved(void)
 {
-    bool was = starved;
-    starved = false;
+    bool was = lacked != told;
+    told = lacked;
     return was;
 }
 
@@ -379,6 +377,14 @@ cJSON *json_whole(cJSON *json, unsigned long before)
         return json;
     cJSON_Delete(json);
     return NULL;
+}
+
+char *json_print_whole(cJSON *json, unsigned long before)
+{
+    json = json_whole(json, before);
+    char *text = json ? json_print(json, false) : NULL;
+    cJSON_Delete(json);
+    return text;
 }
 
 void json_put(cJSON *object, const char *key, cJSON *item)

@@ -36,6 +36,8 @@ bool json_starved(void);
 unsigned long json_lacked(void);
 /* `json`; NULL, and `json` freed, if memory has lacked since json_lacked() was `before`. */
 cJSON *json_whole(cJSON *json, unsigned long before);
+/* Such a tree as text on one line, and freed; the text is the caller's, NULL where memory lacked. */
+char *json_print_whole(cJSON *json, unsigned long before);
 
 /* Adds under a key; on lack of memory the tree stays valid without it. */
 void json_put(cJSON *object, const char *key, cJSON *item);

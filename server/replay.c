@@ -54,10 +54,7 @@ static char *replay_origin(const struct job *job)
     json_put_text(replay, "job", job->id);
     if (job->state == JOB_CANCELLED)
         json_put_int(replay, "stop_step", (long long)job->report.steps);
-    origin = json_whole(origin, before);
-    char *text = origin ? json_print(origin, false) : NULL;
-    cJSON_Delete(origin);
-    return text;
+    return json_print_whole(origin, before);
 }
 
 static enum scree_status copy_commands(struct scheduler *s, const struct job *from, struct job *to, struct scree_error *err)

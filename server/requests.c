@@ -406,9 +406,7 @@ static enum scree_status read_assignments(const cJSON *body, enum command_op op,
     unsigned long before = json_lacked();
     cJSON *detail = cJSON_CreateObject();
     json_put(detail, "set", set ? cJSON_Duplicate(set, true) : cJSON_CreateArray());
-    detail = json_whole(detail, before);
-    *out = detail ? json_print(detail, false) : NULL;
-    cJSON_Delete(detail);
+    *out = json_print_whole(detail, before);
     return *out ? SCREE_OK : scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for a command");
 }
 

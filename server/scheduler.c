@@ -74,19 +74,17 @@ double scheduler_monotonic(void)
 enum scree_status scheduler_write_job(struct scheduler *s, const struct job *job, enum job_state state, struct scree_error *err)
 {
     unsigned long before = json_lacked();
-    cJSON *json = json_whole(outcome_json(&job->report), before);
-    if (!json)
+    char *outcome = json_print_whole(outcome_json(&job->report), before);
+    if (!outcome)
         return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for what a job came to");
-    char *outcome = json_print(json, false);
     const struct journal_row row = {.number = job->number,
                                     .state = job_state_word(state),
                                     .build = job->build,
-                                    .outcome = outcome ? outcome : "",
+                                    .outcome = outcome,
                                     .started = job->started,
                                     .ended = job->ended};
     enum scree_status status = journal_update(s->journal, &row, err);
     free(outcome);
-    cJSON_Delete(json);
     return status;
 }
 

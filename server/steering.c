@@ -216,8 +216,7 @@ static enum scree_status make_child(struct scheduler *s, struct command *c, cons
     json_put_int(fork, "step", (long long)step);
     json_put_text(fork, "file", file);
     json_put(fork, "spec", job_encode(from));
-    origin = json_whole(origin, before);
-    char *text = origin ? json_print(origin, false) : NULL;
+    char *text = json_print_whole(origin, before);
     snprintf(request, sizeof request, "%s:fork", c->request); // no client can send that, and it starts with the user
     enum scree_status status = text ? SCREE_OK : scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for a fork");
     if (!status && !(status = steering_change(from, c->detail, &to, err)) && !(status = job_check(&to, 0, err)) &&
@@ -234,7 +233,6 @@ static enum scree_status make_child(struct scheduler *s, struct command *c, cons
         }
     }
     free(text);
-    cJSON_Delete(origin);
     return status;
 }
 
