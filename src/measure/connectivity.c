@@ -8,6 +8,7 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
+#include "measure/line.h"
 #include "measure/coarse.h"
 #include "measure/connect.h"
 #include "measure/history.h"
@@ -33,18 +34,13 @@ struct state {
 
 double connectivity_lambda(const double *z, const double *joined, const double *all, size_t n, double top, double diameter)
 {
-    double w = 0, x = 0, y = 0, xx = 0, xy = 0;
+    struct line line = {0};
     for (size_t k = 0; k < n; k++) {
         if (!(z[k] > 0 && z[k] <= top && joined[k] > 0.02))
             continue;
-        double at = z[k] / diameter, log_p = log(joined[k]);
-        w += all[k];
-        x += all[k] * at;
-        y += all[k] * log_p;
-        xx += all[k] * at * at;
-        xy += all[k] * at * log_p;
+        line_add(&line, all[k], z[k] / diameter, log(joined[k]));
     }
-    double spread = w * xx - x * x, slope = spread > 1e-12 * w * xx ? (w * xy - x * y) / spread : 0;
+    double slope = line_slope(&line);
     return slope < 0 ? -1 / slope : 0;
 }
 

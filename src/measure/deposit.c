@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "measure/line.h"
 
 static const struct scree_column columns[DEPOSIT_COLUMNS] = {
     {"since_gate", "s"},      {"run_out", "m"},          {"front_speed", "m/s"}, {"furthest", "m"},         {"height_back", "m"},
@@ -160,19 +161,14 @@ static double volume_under(const struct continuum_view *view)
 /* Slope of a line through the surface over the middle of the box (seed 002, section 2.4: 0.3 to 0.7 of its length), rad. */
 static double slope_of(const struct continuum_view *view, const struct deposit_lines *lines)
 {
-    double n = 0, sx = 0, sz = 0, sxx = 0, sxz = 0;
+    struct line line = {0};
     for (size_t k = 0; k < lines->layers; k++) {
         double x = (double)k * view->spacing[0], z = lines->surface[k];
         if (x < 0.3 * view->length[0] || x > 0.7 * view->length[0])
             continue;
-        n++;
-        sx += x;
-        sz += z;
-        sxx += x * x;
-        sxz += x * z;
+        line_add(&line, 1, x, z);
     }
-    double spread = n * sxx - sx * sx;
-    return spread > 0 ? atan((n * sxz - sx * sz) / spread) : 0;
+    return atan(line_slope(&line));
 }
 
 void deposit_measure(const struct continuum_view *view, const struct deposit_site *site, struct deposit_lines *lines,

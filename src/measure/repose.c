@@ -7,6 +7,7 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
+#include "measure/line.h"
 #include "measure/measure.h"
 
 #define LOW  0.2
@@ -39,18 +40,14 @@ static void find_tops(const struct view *view, double floor, double ledge, doubl
 
 static void fit(struct repose *r)
 {
-    double n = 0, x = 0, z = 0, xx = 0, xz = 0;
+    struct line line = {0};
     for (size_t k = 0; k < r->rings; k++) {
         const double *row = r->row[k];
         if (row[1] < LOW * r->height || row[1] > HIGH * r->height)
             continue;
-        n++;
-        x += row[0];
-        z += row[1];
-        xx += row[0] * row[0];
-        xz += row[0] * row[1];
+        line_add(&line, 1, row[0], row[1]);
     }
-    r->angle = n >= 3 ? -atan((n * xz - x * z) / (n * xx - x * x)) * 180 / M_PI : NAN;
+    r->angle = line.w >= 3 ? -atan(line_slope(&line)) * 180 / M_PI : NAN;
 }
 
 enum scree_status repose_measure(const struct view *view, double floor, double ledge, double width, struct repose *out,
