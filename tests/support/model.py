@@ -169,9 +169,12 @@ class Session:
         for job in self.jobs.values():
             if job.paused:
                 self.steer("resume", job.name)
-        for job in self.jobs.values():
-            self.judge_record(job, control.wait(job.name, timeout_s=timeout_s))
-        # Forks that waited for a job that did not run were made later: they are known from their parents.
+        left = list(self.jobs.values())
+        while left:
+            job = left.pop()
+            record = control.wait(job.name, timeout_s=timeout_s)
+            self.judge_record(job, record)
+            left += self.late_forks(job, record)
         known = set(self.jobs)
         listed = [entry["id"] for entry in control.ask("list", {"limit": 100000})["jobs"]]
         assert len(listed) == len(set(listed)) and set(listed) == known, (sorted(listed), sorted(known))
@@ -181,6 +184,15 @@ class Session:
         random.Random(1).shuffle(chosen)
         for name in chosen[:replays]:
             self.judge_state(name, timeout_s)
+
+    def late_forks(self, job, record):
+        """Forks that were acknowledged as waiting for a job that did not run, and made later: their parent's record names them."""
+        late = [command["fork"] for command in record["steering"]
+                if command["op"] == "fork" and "fork" in command and job.commands[command["number"]][1] is None]
+        for name in late:
+            assert name not in self.jobs, f"{name} was given away twice"
+            self.jobs[name] = Job(name)
+        return [self.jobs[name] for name in late]
 
     def judge_record(self, job, record):
         expected = ("cancelled", "done") if job.cancelled else ("done",)
