@@ -188,8 +188,7 @@ static enum scree_status decode_job(const cJSON *json, struct study_plan *plan, 
     }
     const unsigned flows = STOP_STEADY | STOP_ACCELERATING, split = plan->spec.raise_low_when & flows;
     if (plan->spec.kind == STUDY_BISECT && !json_get(json_get(job, "stop"), "when") && (split == 0 || split == flows)) {
-        cJSON *when = field_encode(field_find(study_kinds[STUDY_BISECT].table, "raise_low_when"),
-                                   &(unsigned){STOP_REST | STOP_STEADY | STOP_ACCELERATING});
+        cJSON *when = field_encode(field_find(study_kinds[STUDY_BISECT].table, "raise_low_when"), &(unsigned){STOP_ANY});
         status = when ? job_value_set(plan->job, "stop.when", when, err) : SCREE_NO_MEMORY;
         cJSON_Delete(when);
         if (!status)

@@ -57,7 +57,8 @@ enum scree_status study_plan_trial(const struct study_plan *plan, size_t trial, 
 /* The replica of that trial. */
 size_t study_plan_replica(const struct study_plan *plan, size_t trial);
 
-/* The spec of a search's trial at a value; `end_s` takes the place of time.end_s unless 0. */
+/* The spec of a search's trial at a value; `end_s` takes the place of time.end_s; 0: the first one, whose end is
+ * time.end_s, or that of the extension at once if the trial stops at any verdict. */
 enum scree_status study_plan_search(const struct study_plan *plan, double at, size_t replica, double end_s, struct job_spec *out,
                                     struct scree_error *err);
 

@@ -78,6 +78,9 @@ enum scree_status study_plan_search(const struct study_plan *plan, double at, si
     cJSON *json = cJSON_Duplicate(plan->job, true);
     if (!json)
         return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for a trial");
+    /* One that stops at any verdict has none at its end: it goes on at once as far as it would be extended to. */
+    if (end_s == 0 && plan->spec.kind == STUDY_BISECT && plan->base.stop.when == STOP_ANY)
+        end_s = study_plan_extension(plan);
     enum scree_status status = set_real(json, plan->spec.over, at, err);
     if (!status && end_s > 0)
         status = set_real(json, "time.end_s", end_s, err);

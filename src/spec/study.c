@@ -77,7 +77,9 @@ static const struct field bisect_fields[] = {
      .max = 1e6,
      .preset = 0,
      .unit = "s",
-     .doc = "an undecided trial is run again, twice as long each time, up to this end; 0: four times time.end_s",
+     .doc = "an undecided trial goes on to this end (run again, twice as long each time, where trials do not stop at every "
+            "verdict); 0: four "
+            "times time.end_s",
      .source = "protocols 1.13"},
     {.name = "undecided",
      .type = FIELD_ENUM,
@@ -159,8 +161,7 @@ enum scree_status study_check(const struct study_spec *spec, struct scree_error 
                           text_real(spec->high, high));
     if (spec->kind == STUDY_ROOT && !*spec->number)
         return scree_fail(err, SCREE_INVALID, "number", "number: is empty; it names a number of the summary");
-    const unsigned all = STOP_REST | STOP_STEADY | STOP_ACCELERATING;
-    if (spec->kind == STUDY_BISECT && (spec->raise_low_when == 0 || spec->raise_low_when == all))
+    if (spec->kind == STUDY_BISECT && (spec->raise_low_when == 0 || spec->raise_low_when == STOP_ANY))
         return scree_fail(err, SCREE_INVALID, "raise_low_when",
                           "raise_low_when: %s verdict moves the low end, so that the bracket could never close",
                           spec->raise_low_when ? "every" : "no");

@@ -110,13 +110,14 @@ class Studies(Client):
         seeds = {self.ask("show", job=t["job"])["spec"]["seed"] for t in record["trials"]}
         self.assertEqual(seeds, {1, 2, 3})
 
-    def test_undecided_trial_runs_again_for_longer_and_is_reported(self):
+    def test_undecided_trial_goes_on_for_longer_and_is_reported(self):
         self.daemon(workers=2)
         spec = {**BISECT, "raise_low_when": ["rest"], "extend_to_s": 0.25, "undecided": "report",
                 "job": {**FLOW, "params": {**FLOW["params"], "slope_deg": 20}, "time": {"step_s": 2e-6, "end_s": 0.06}}}
-        record = self.run_study(spec, state="failed")
-        ends = [t["end_s"] for t in record["trials"] if t["values"]["params.slope_deg"] == 40]
-        self.assertEqual(ends, [0.06, 0.12, 0.24, 0.25])
+        for stop, expected in ((None, [0.25]), ({"when": ["rest"]}, [0.06, 0.12, 0.24, 0.25])):
+            record = self.run_study({**spec, "job": {**spec["job"], "stop": stop} if stop else spec["job"]}, state="failed")
+            ends = [t["end_s"] for t in record["trials"] if t["values"]["params.slope_deg"] == 40]
+            self.assertEqual(ends, expected)
         self.assertEqual((record["conclusion"], record["error"]["code"]), ("stuck", "not_found"))
         for word in ("40", "undecided", "0.25"):
             self.assertIn(word, record["error"]["message"])

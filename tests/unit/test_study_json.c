@@ -145,7 +145,7 @@ static void steady_means_flowing(void **state)
     assert_int_equal(plan.spec.raise_low_when, STOP_STEADY | STOP_ACCELERATING);
     assert_int_equal(plan.base.stop.when, STOP_REST | STOP_STEADY | STOP_ACCELERATING);
     assert_int_equal(study_plan_search(&plan, 0.25, 2, 0, &job, NULL), SCREE_OK);
-    assert_true(job.material.mu_t == 0.25 && job.seed == 3 && job.time.end_s == 20);
+    assert_true(job.material.mu_t == 0.25 && job.seed == 3 && job.time.end_s == 80); // stops at any verdict: as far as it may go
     assert_int_equal(study_plan_search(&plan, 0.25, 0, 40, &job, NULL), SCREE_OK);
     assert_true(job.time.end_s == 40 && study_plan_extension(&plan) == 80);
     study_plan_free(&plan);
