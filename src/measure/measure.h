@@ -73,10 +73,11 @@ enum measure_needs {
 };
 
 struct measurement {
-    const char *name;        // key under `record`; NULL: taken of every world, once at its end
+    const char *name;        // key under `record`; NULL: nobody chooses it, and without an interval it is taken once, at the end
     enum scenario_kind kind; // of worlds it can see
     unsigned needs;          // bits of enum measure_needs
     const char *every_of;    // whose interval it shares; NULL: its own
+    double interval_s;       // between samples where the job has no say, else 0
     size_t size, plain;      // of the state, and of its plain part, bytes
     size_t series;           // offset of its series, as many as streams
     const struct scree_stream *const *streams;

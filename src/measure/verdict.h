@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Is a flow at rest, steady, accelerating? Protocols 1.5, on samples of bulk
- * every millisecond or so:
+ * every millisecond, whatever is recorded:
  *   rest          E_kin / E_elastic < 1e-5, or rms speed < 1e-5 sqrt(g d), for
  *                 0.1 s, and not before 10 sqrt(d / g) (a world starts at rest)
  *   steady        over the last four windows of 1 s the means of E_kin and of the

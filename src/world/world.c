@@ -29,8 +29,10 @@ uint64_t world_every(const struct measurement *what, const struct job_spec *job)
 {
     if (!what->sample)
         return 0;
-    struct record_choice choice = record_find(job, what->every_of ? what->every_of : what->name);
-    return (uint64_t)fmax(1, round(choice.every_s / job->time.step_s));
+    double every_s = what->interval_s;
+    if (every_s <= 0)
+        every_s = record_find(job, what->every_of ? what->every_of : what->name).every_s;
+    return (uint64_t)fmax(1, round(every_s / job->time.step_s));
 }
 
 static enum scree_status start_series(struct scree_world *w, const struct measured *m, struct scree_error *err)

@@ -7,6 +7,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -84,6 +85,43 @@ static void a_failing_sink_stops_the_world(void **state)
     assert_int_equal(scree_world_advance(world, 100000, &error), SCREE_IO);
     assert_string_equal(error.message, "disk full");
     scree_world_free(world);
+}
+
+/* A verdict rests on samples of its own: what is recorded, and how often, does not change it. */
+static void verdicts_do_not_depend_on_what_is_recorded(void **state)
+{
+    (void)state;
+    enum { CASES = 3 };
+    static const double every_s[CASES] = {1e-3, 0.3, 0}; // 0: not recorded
+    char evidence[CASES][256];
+    double first_at = 0;
+    for (size_t k = 0; k < CASES; k++) {
+        struct job_spec job = small(1);
+        job.material.young_Pa /= 1000;
+        job.material.beta_s *= 15.85;
+        job.time.step_s *= 15.85;
+        ((struct incline_params *)(void *)job.params)->slope_deg = 8;
+        job.stop.when = STOP_REST;
+        job.record.basal_force.on = false;
+        job.record.bulk.on = every_s[k] > 0;
+        if (every_s[k] > 0)
+            job.record.bulk.every_s = every_s[k];
+        struct counted counted = {0};
+        const struct scree_sink sink = {.put = count_force, .context = &counted};
+        struct scree_world *world = NULL;
+        struct scree_error error = {0};
+        assert_int_equal(scree_world_create(&job, NULL, &sink, &world, &error), SCREE_OK);
+        while (!scree_world_progress(world).finished)
+            assert_int_equal(scree_world_advance(world, 10000, &error), SCREE_OK);
+        assert_int_equal(scree_world_progress(world).verdict, VERDICT_REST);
+        double at = scree_world_progress(world).time_s;
+        snprintf(evidence[k], sizeof evidence[k], "%s", scree_world_progress(world).evidence);
+        scree_world_free(world);
+        first_at = k ? first_at : at;
+        assert_true(at == first_at);
+        assert_string_equal(evidence[k], evidence[0]);
+    }
+    print_message("at rest at %.4f s: %s\n", first_at, evidence[0]);
 }
 
 /* A step ten times too long (job_check would refuse it) must fail the job, not run on. */
@@ -164,9 +202,13 @@ static void a_warm_step_asks_for_no_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(chunks_are_numbered_without_gaps_and_whole),   cmocka_unit_test(a_failing_sink_stops_the_world),
-        cmocka_unit_test(a_blow_up_fails_with_step_grain_and_time),     cmocka_unit_test(a_grain_through_the_base_is_named),
-        cmocka_unit_test(grains_that_overlap_at_the_start_are_refused), cmocka_unit_test(a_warm_step_asks_for_no_memory),
+        cmocka_unit_test(chunks_are_numbered_without_gaps_and_whole),
+        cmocka_unit_test(a_failing_sink_stops_the_world),
+        cmocka_unit_test(verdicts_do_not_depend_on_what_is_recorded),
+        cmocka_unit_test(a_blow_up_fails_with_step_grain_and_time),
+        cmocka_unit_test(a_grain_through_the_base_is_named),
+        cmocka_unit_test(grains_that_overlap_at_the_start_are_refused),
+        cmocka_unit_test(a_warm_step_asks_for_no_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
