@@ -442,7 +442,7 @@ static void drain_events(struct control *c)
 static void loop(struct control *c)
 {
     bool more = false;
-    while (!c->daemon.ending) {
+    while (!c->daemon.ending && !scheduler_is_lost(c->daemon.scheduler)) {
         zmq_pollitem_t items[] = {
             {.socket = c->control, .events = ZMQ_POLLIN}, {.socket = c->stream, .events = ZMQ_POLLIN},
             {.socket = c->events, .events = ZMQ_POLLIN},  {.fd = c->wake_fd, .events = ZMQ_POLLIN},
@@ -529,6 +529,10 @@ enum scree_status control_run(const struct config *config, struct scree_error *e
     say_ready(config);
     notify_ready(c->notify);
     loop(c);
+    if (!c->daemon.ending) {
+        status = scree_fail(err, SCREE_NO_MEMORY, "", "libhdf5 was refused memory and has been unable to write anything since");
+        scree_hint(err, "start screed again: every job goes on from its last checkpoint");
+    }
     notify_stopping(c->notify);
     if (pthread_create(&watcher, NULL, second_signal, (void *)(intptr_t)c->signal_fd) == 0)
         pthread_detach(watcher);

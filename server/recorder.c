@@ -3,12 +3,15 @@
 #include "recorder.h"
 
 #include <dirent.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/eventfd.h>
 
 #include "base/failpoint.h"
+
+enum { USELESS_MAX = 3 };
 
 struct recorder {
     pthread_t thread;
@@ -19,6 +22,8 @@ struct recorder {
     struct record_order *waiting, *done; // oldest first
     struct errand *errands;              // oldest first
     pthread_cond_t errand_done;
+    int useless;      // times in a row that libhdf5 could do nothing; the recorder's thread alone
+    atomic_bool lost; // and will do nothing any more
 };
 
 /* On the stack of the thread that waits for it. */
@@ -152,6 +157,16 @@ static struct errand *next_errand(struct recorder *self)
     return errand;
 }
 
+/* After each piece of work. An allocation that libhdf5 was refused can leave it unable to make anything for good, which no call of
+ * its own mends (closing it then frees twice): it is tried on a file in memory, and after USELESS_MAX failures in a row, over
+ * which memory may have come back, it counts as lost. */
+static void look_at_library(struct recorder *self, bool failed)
+{
+    self->useless = failed && scree_prepare(NULL) ? self->useless + 1 : 0;
+    if (self->useless >= USELESS_MAX)
+        atomic_store(&self->lost, true);
+}
+
 static void *recorder_main(void *argument)
 {
     struct recorder *self = argument;
@@ -171,6 +186,7 @@ static void *recorder_main(void *argument)
             errand->status = errand->run(errand->context, errand->err);
         else
             carry_out(order);
+        look_at_library(self, errand ? errand->status : order->status);
         pthread_mutex_lock(&self->lock);
         if (errand) {
             errand->done = true;
@@ -246,6 +262,11 @@ void record_order_free(struct record_order *order)
         free(order->spec_text);
     }
     free(order);
+}
+
+bool recorder_is_lost(const struct recorder *recorder)
+{
+    return atomic_load(&recorder->lost);
 }
 
 void recorder_finish(struct recorder *recorder)

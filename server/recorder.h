@@ -49,6 +49,9 @@ void record_order_free(struct record_order *order);
 enum scree_status recorder_run(struct recorder *recorder, enum scree_status (*errand)(void *context, struct scree_error *err),
                                void *context, struct scree_error *err);
 
+/* Whether libhdf5 has become unusable: nothing will be written until the process starts anew. */
+bool recorder_is_lost(const struct recorder *recorder);
+
 /* Carries out the orders that were asked for and ends the thread; they can still be taken. */
 void recorder_finish(struct recorder *recorder);
 void recorder_free(struct recorder *recorder);

@@ -576,6 +576,11 @@ struct job *scheduler_find(struct scheduler *s, const char *id)
     return *end ? NULL : scheduler_by_number(s, number);
 }
 
+bool scheduler_is_lost(const struct scheduler *s)
+{
+    return recorder_is_lost(s->recorder);
+}
+
 size_t scheduler_count(const struct scheduler *s)
 {
     return s->count;

@@ -35,6 +35,9 @@ void scheduler_close(struct scheduler *scheduler);
 /* Looks at what workers and recorder have reported and hands out work. */
 void scheduler_turn(struct scheduler *scheduler);
 
+/* Whether nothing can be recorded until the process starts anew. */
+bool scheduler_is_lost(const struct scheduler *scheduler);
+
 /* Commits a job. *reused: a finished one of the same spec and build, or one of the same request, answers. */
 enum scree_status scheduler_submit(struct scheduler *scheduler, const char *request, const struct job_spec *spec, bool again,
                                    struct job **out, bool *reused, struct scree_error *err);

@@ -2,16 +2,9 @@
 /* One contact through the production path: scenario `collision`, world, law,
  * integrator, trace. Numbers are those of the targets, recomputed from the
  * paper's equations by quadrature; row names are in the test names. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
+#include "summary.h"
 
-#include "scree.h"
+#include <math.h>
 
 /* The trace of a run: overlap and normal force at each step. */
 struct trace {
@@ -41,36 +34,15 @@ static enum scree_status keep(void *context, const struct scree_chunk *chunk, st
 }
 
 struct outcome {
-    struct scree_number numbers[SCREE_SUMMARY_MAX];
-    size_t count;
+    struct summary summary;
     struct trace trace;
 };
 
 static struct outcome collide(const struct job_spec *job)
 {
-    struct outcome out = {.count = 0};
-    struct scree_error error = {0};
-    struct scree_world *world = NULL;
-    const struct scree_sink sink = {.put = keep, .context = &out.trace};
-    const struct scree_options options = {0};
-    if (job_check(job, 0, &error) || scree_world_create(job, &options, &sink, &world, &error))
-        fail_msg("%s", error.message);
-    while (!scree_world_progress(world).finished)
-        if (scree_world_advance(world, 1000, &error))
-            fail_msg("%s", error.message);
-    assert_int_equal(scree_world_close(world, &error), SCREE_OK);
-    out.count = scree_world_summary(world, out.numbers);
-    scree_world_free(world);
+    struct outcome out = {.trace.count = 0};
+    out.summary = run(job, &(struct scree_sink){.put = keep, .context = &out.trace});
     return out;
-}
-
-static double number(const struct outcome *o, const char *name)
-{
-    for (size_t k = 0; k < o->count; k++)
-        if (strcmp(o->numbers[k].name, name) == 0)
-            return o->numbers[k].value;
-    fail_msg("no number %s", name);
-    return 0;
 }
 
 static void done(struct outcome *o)
@@ -108,9 +80,9 @@ static void s0_01_hertz_impact_duration(void **state)
     job.material.beta_s = 0;
     p->partner = PARTNER_FIXED_SPHERE;
     struct outcome o = collide(&job);
-    assert_true(fabs(number(&o, "contact_time") / tau / 3.218065 - 1) < 1e-3);
-    assert_true(fabs(number(&o, "largest_overlap") / (0.14 * tau) / 1.093362 - 1) < 1e-3);
-    assert_true(fabs(number(&o, "restitution") - 1) < 1e-3);
+    assert_true(fabs(number(&o.summary, "contact_time") / tau / 3.218065 - 1) < 1e-3);
+    assert_true(fabs(number(&o.summary, "largest_overlap") / (0.14 * tau) / 1.093362 - 1) < 1e-3);
+    assert_true(fabs(number(&o.summary, "restitution") - 1) < 1e-3);
     double sum = 0, step = job.time.step_s / tau;
     for (size_t k = 0; k < o.trace.count; k++)
         sum += pow(fmax(0, o.trace.overlap[k]) / (0.14 * tau), 1.5) * step;
@@ -162,10 +134,10 @@ static void s0_06_impact_time_scale(void **state)
     job.material.beta_s = 0;
     p->partner = PARTNER_FIXED_SPHERE;
     struct outcome fixed = collide(&job);
-    assert_true(fabs(number(&fixed, "contact_time") / 1.1556e-5 - 1) < 1e-3);
+    assert_true(fabs(number(&fixed.summary, "contact_time") / 1.1556e-5 - 1) < 1e-3);
     p->partner = PARTNER_SPHERE;
     struct outcome both = collide(&job);
-    assert_true(fabs(number(&both, "contact_time") / 8.757e-6 - 1) < 1e-3);
+    assert_true(fabs(number(&both.summary, "contact_time") / 8.757e-6 - 1) < 1e-3);
     assert_true(fabs(material_contact_time(&job.material, 0.14) / 8.757e-6 - 1) < 1e-3);
     done(&fixed);
     done(&both);
@@ -181,10 +153,10 @@ static void s0_07_impulse(void **state)
     double d = 2 * job.material.radius_m, whole = M_PI * job.material.density_kg_m3 * d * d * d * 0.14 / 3;
     p->partner = PARTNER_FIXED_SPHERE;
     struct outcome fixed = collide(&job);
-    assert_true(fabs(-number(&fixed, "impulse_z") / whole - 1) < 1e-4);
+    assert_true(fabs(-number(&fixed.summary, "impulse_z") / whole - 1) < 1e-4);
     p->partner = PARTNER_SPHERE;
     struct outcome both = collide(&job);
-    assert_true(fabs(-number(&both, "impulse_z") / (0.5 * whole) - 1) < 1e-4);
+    assert_true(fabs(-number(&both.summary, "impulse_z") / (0.5 * whole) - 1) < 1e-4);
     done(&fixed);
     done(&both);
 }
@@ -211,7 +183,7 @@ static void s0_11_damping_ratio(void **state)
         double b = 0.5 * (low + high);
         job.material.beta_s = b * tau;
         struct outcome o = collide(&job);
-        *(number(&o, "restitution") > 0.97 ? &low : &high) = b;
+        *(number(&o.summary, "restitution") > 0.97 ? &low : &high) = b;
         done(&o);
     }
     assert_true(fabs(0.5 * (low + high) - 0.026486) < 5e-5);
@@ -228,7 +200,7 @@ static void s0_12_foerster(void **state)
         job.material = material_preset_find("foerster-3mm")->values;
         job.material.beta_s = beta[k];
         struct outcome o = collide(&job);
-        assert_true(fabs(number(&o, "restitution") - expect[k]) < 3e-4);
+        assert_true(fabs(number(&o.summary, "restitution") - expect[k]) < 3e-4);
         done(&o);
     }
 }
@@ -243,15 +215,15 @@ static void s0_13_restitution_and_contact_time(void **state)
         struct job_spec job;
         setup(&job, speed[k], 2e-8);
         struct outcome fine = collide(&job);
-        print_message("v %.3f m/s: e %.5f (target %.5f), t_c %.4f us (target %.3f)\n", speed[k], number(&fine, "restitution"), e[k],
-                      1e6 * number(&fine, "contact_time"), 1e6 * time[k]);
-        assert_true(fabs(number(&fine, "restitution") - e[k]) < 2e-4);
-        assert_true(fabs(number(&fine, "contact_time") / time[k] - 1) < 3e-3);
+        print_message("v %.3f m/s: e %.5f (target %.5f), t_c %.4f us (target %.3f)\n", speed[k],
+                      number(&fine.summary, "restitution"), e[k], 1e6 * number(&fine.summary, "contact_time"), 1e6 * time[k]);
+        assert_true(fabs(number(&fine.summary, "restitution") - e[k]) < 2e-4);
+        assert_true(fabs(number(&fine.summary, "contact_time") / time[k] - 1) < 3e-3);
         job.time.step_s = 2.5e-7;
         struct outcome coarse = collide(&job);
-        assert_true(fabs(number(&coarse, "restitution") - e[k]) < 2e-3);
+        assert_true(fabs(number(&coarse.summary, "restitution") - e[k]) < 2e-3);
         if (k == 1) // S0-14: 35 steps of 2.5e-7 s at 0.14 m/s, not 200
-            assert_true(fabs(number(&coarse, "steps_per_contact") - 35) < 1);
+            assert_true(fabs(number(&coarse.summary, "steps_per_contact") - 35) < 1);
         done(&fine);
         done(&coarse);
     }
@@ -307,7 +279,7 @@ static void s0_15_force_error(void **state)
     /* The run's own number says the same, by the equation of motion instead of a fine run. */
     setup(&job, 0.362, 2.5e-7);
     struct outcome coarse = collide(&job);
-    double own = number(&coarse, "force_error");
+    double own = number(&coarse.summary, "force_error");
     done(&coarse);
     double at_250 = force_error(2.5e-7, beta, &truth.trace), at_340 = force_error(3.4e-7, beta, &truth.trace);
     double slope = log(force_error(4e-7, 0, &elastic.trace) / force_error(2.5e-8, 0, &elastic.trace)) / log(16);
@@ -343,8 +315,8 @@ static void plane_is_a_sphere_of_no_curvature(void **state)
     double r = job.material.radius_m, mass = material_grain_mass(&job.material);
     double k = 2 * job.material.young_Pa / (3 * (1 - job.material.poisson * job.material.poisson)) * sqrt(r);
     double deepest = pow(1.25 * mass * 0.04 / k, 0.4); // (2/5) k x^(5/2) = m v^2 / 2
-    assert_true(fabs(number(&o, "largest_overlap") / deepest - 1) < 1e-4);
-    assert_true(fabs(number(&o, "contact_time") / (2.943275 * deepest / 0.2) - 1) < 1e-4);
+    assert_true(fabs(number(&o.summary, "largest_overlap") / deepest - 1) < 1e-4);
+    assert_true(fabs(number(&o.summary, "contact_time") / (2.943275 * deepest / 0.2) - 1) < 1e-4);
     done(&o);
 }
 

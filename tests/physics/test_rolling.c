@@ -1,50 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* One sphere on a plane through the production path: rocking (targets S0-17), and rolling down a slope (S0-18). */
-#include "unit.h"
+#include "summary.h"
 
 #include <math.h>
 
-#include "scree.h"
-
-struct outcome {
-    struct scree_number numbers[SCREE_SUMMARY_MAX];
-    size_t count;
-    enum scree_verdict verdict;
-    double time_s;
-};
-
-static enum scree_status drop(void *context, const struct scree_chunk *chunk, struct scree_error *err)
+static struct summary roll(const struct job_spec *job)
 {
-    (void)context;
-    (void)chunk;
-    (void)err;
-    return SCREE_OK;
-}
-
-static struct outcome run(const struct job_spec *job)
-{
-    struct outcome out = {.count = 0};
-    struct scree_error error = {0};
-    struct scree_world *world = NULL;
-    const struct scree_sink sink = {.put = drop};
-    if (job_check(job, 0, &error) || scree_world_create(job, NULL, &sink, &world, &error))
-        fail_msg("%s", error.message);
-    while (!scree_world_progress(world).finished)
-        assert_int_equal(scree_world_advance(world, 1 << 20, NULL), SCREE_OK);
-    out.count = scree_world_summary(world, out.numbers);
-    out.verdict = scree_world_progress(world).verdict;
-    out.time_s = scree_world_progress(world).time_s;
-    scree_world_free(world);
-    return out;
-}
-
-static double number(const struct outcome *o, const char *name)
-{
-    for (size_t k = 0; k < o->count; k++)
-        if (strcmp(o->numbers[k].name, name) == 0)
-            return o->numbers[k].value;
-    fail_msg("no number %s", name);
-    return 0;
+    return run(job, &(struct scree_sink){.put = sink_nowhere});
 }
 
 static struct rolling_params *setup(struct job_spec *job)
@@ -74,7 +36,7 @@ static void a_bead_rocks_as_eq_27_says(void **state)
     (void)state;
     struct job_spec job;
     setup(&job);
-    struct outcome o = run(&job);
+    struct summary o = roll(&job);
     print_message("omega %.4f rad/s (101.44), decay %.4f 1/s (10.399), kappa %.6f, beta_r %.7f\n", number(&o, "rocking_rate"),
                   number(&o, "rocking_decay"), number(&o, "kappa"), number(&o, "beta_r"));
     near_to(number(&o, "natural_rate"), 101.97, 2e-3);
@@ -95,7 +57,7 @@ static void rocking_follows_kappa_and_beta_r(void **state)
     soft(&job);
     job.material.kappa = 1.3;
     job.material.beta_r_s = 5e-4;
-    struct outcome o = run(&job);
+    struct summary o = roll(&job);
     near_to(number(&o, "kappa"), 1.3, 2e-3);
     near_to(number(&o, "beta_r"), 5e-4, 1e-2);
 }
@@ -114,7 +76,7 @@ static void a_bead_rolls_on_above_the_angle_of_rolling_friction(void **state)
         job.material.mu_r = 0.017455;
         job.stop.when = STOP_REST | STOP_ACCELERATING;
         job.time.end_s = 60;
-        struct outcome o = run(&job);
+        struct summary o = roll(&job);
         print_message("%.4f deg: %s, %.4f m after %.3f s\n", p->slope_deg, scree_verdict_word(o.verdict), number(&o, "distance"),
                       o.time_s);
         assert_int_equal(o.verdict, k ? VERDICT_ACCELERATING : VERDICT_REST);
@@ -131,7 +93,7 @@ static void a_bead_gains_speed_at_five_sevenths(void **state)
     p->speed_m_s = 0.01;
     p->slope_deg = 3;
     job.time.end_s = 0.2;
-    struct outcome o = run(&job);
+    struct summary o = roll(&job);
     double slope = 3 * M_PI / 180, expect = 5.0 / 7 * 9.81 * (sin(slope) - job.material.mu_r * cos(slope));
     near_to((number(&o, "velocity") - 0.01) / 0.2, expect, 5e-3);
 }

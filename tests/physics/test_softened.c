@@ -3,23 +3,15 @@
  * over 1000, with beta and the time step times 1000^(2/5), leaves beta / tau, and so
  * the restitution of an impact at any speed, as it is, and costs sixteen times less.
  * Depth and profiles agree within their scatter; frequencies scale with 1 / tau. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
+#include "summary.h"
 
-#include "scree.h"
+#include <math.h>
 
 #define SOFTER 1000.0
 enum { HEIGHTS = 16 * 6 };
 
 struct outcome {
-    struct scree_number numbers[SCREE_SUMMARY_MAX];
-    size_t count;
+    struct summary summary;
     double profile[HEIGHTS][10];
 };
 
@@ -35,21 +27,10 @@ static enum scree_status keep(void *context, const struct scree_chunk *chunk, st
     return SCREE_OK;
 }
 
-static double number(const struct outcome *o, const char *name)
-{
-    for (size_t k = 0; k < o->count; k++)
-        if (strcmp(o->numbers[k].name, name) == 0)
-            return o->numbers[k].value;
-    fail_msg("no number %s", name);
-    return 0;
-}
-
 /* The second half of two seconds at 24.5 degrees; moduli over `softer`. */
 static void flow(double softer, int64_t seed, struct outcome *o)
 {
     struct job_spec job;
-    struct scree_error error = {0};
-    struct scree_world *world = NULL;
     double slower = pow(softer, 0.4);
     job_defaults(&job, scenario_find("incline"));
     struct incline_params *p = (struct incline_params *)(void *)job.params;
@@ -71,12 +52,7 @@ static void flow(double softer, int64_t seed, struct outcome *o)
     job.record.spectrum.fit_from_hz /= slower;
     job.record.spectrum.fit_to_hz /= slower;
     const struct scree_sink sink = {.put = keep, .context = o};
-    if (job_check(&job, 0, &error) || scree_world_create(&job, NULL, &sink, &world, &error))
-        fail_msg("%s", error.message);
-    if (scree_world_advance(world, UINT64_MAX, &error) || scree_world_close(world, &error))
-        fail_msg("%s", error.message);
-    o->count = scree_world_summary(world, o->numbers);
-    scree_world_free(world);
+    o->summary = run(&job, &sink);
 }
 
 static const char *const same[] = {"depth", "depth_half", "mean_fraction", "mean_downslope", "mean_temperature"};
@@ -87,8 +63,8 @@ static void mean_of(const struct outcome *o, int count, const char *name, double
 {
     double sum = 0, sum2 = 0;
     for (int k = 0; k < count; k++) {
-        sum += number(&o[k], name) / count;
-        sum2 += number(&o[k], name) * number(&o[k], name) / count;
+        sum += number(&o[k].summary, name) / count;
+        sum2 += number(&o[k].summary, name) * number(&o[k].summary, name) / count;
     }
     *mean = sum;
     *scatter = sqrt(fmax(0, sum2 - sum * sum) * count / (count - 1));
@@ -122,7 +98,7 @@ static void softened_grains_flow_as_glass_does(void **state)
         assert_true(fabs(b - a) < 0.03);
     }
     for (int k = 0; k < SOFT; k++) // the base of softened grains is one, not a pressed cake of them (protocols 1.3)
-        assert_true(number(&soft[k], "fixed_per_d2") > 1.1 && number(&soft[k], "fixed_per_d2") < 1.6);
+        assert_true(number(&soft[k].summary, "fixed_per_d2") > 1.1 && number(&soft[k].summary, "fixed_per_d2") < 1.6);
     double corner, power, corner_soft, power_soft, scatter;
     mean_of(glass, GLASS, "spectrum_corner", &corner, &scatter);
     mean_of(soft, SOFT, "spectrum_corner", &corner_soft, &scatter);
