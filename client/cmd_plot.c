@@ -48,21 +48,21 @@ const struct verb verb_plot = {
     .name = "plot",
     .synopsis = "ID [-o FILE.png|FILE.svg] [--x COLUMN] [--y COLUMN] [--by COLUMN] [--log] [--beside LAWS]",
     .doc = "a picture of a job: force, spectrum, profiles; or of what a study has come to",
-    .help =
-        "Draws ID.png here, or FILE, with gnuplot (Debian: gnuplot-nox), and prints its name. Of a job: the force on\n"
-        "the base against time, averaged and with its extremes; spectrum and profiles where they are recorded; of a\n"
-        "continuum the free surface and what flows below it at three times; of a flow down a chute the apparatus and its\n"
-        "section with the grains of four snapshots, the deposit from above, variance, losses and layers. Of a search: the\n"
-        "bracket and the trials, round by round. Of a sweep: one column of its table (`scree fetch`) against another, by\n"
-        "default the first that differ; trials that differ in more get a line each, or a line each value of --by. --log fits\n"
-        "a power law to each line; --beside draws others with them, as \"2,1 3.4,0.65\" for 2 x and 3.4 x^0.65. Where the force\n"
-        "has a spectrum, by default its power against the inertial number and beside what models predict; of flows down a\n"
-        "chute, mobility against beta with its bars beside the published lines; of a sweep over scenarios grains beside\n"
-        "continuum.\n"
-        "\n"
-        "  scree plot j17\n"
-        "  scree plot s3 -o sweep.svg --x params.slope_deg --y mean_velocity\n"
-        "  scree plot s5 --x aspect_ratio --y run_out_ratio --by params.plane --log --beside \"2,1 3.4,0.65\"\n",
+    .help = "Draws ID.png here, or FILE, with gnuplot (Debian: gnuplot-nox), and prints its name. Of a job: the force on\n"
+            "the base against time, averaged and with its extremes; spectrum and profiles where they are recorded; of a\n"
+            "continuum the free surface and what flows below it at three times; of a flow down a chute the apparatus and its\n"
+            "section with the grains of four snapshots, the deposit from above, variance, losses and layers; of rigid bodies with\n"
+            "record.views what they look like from aside and from above at five instants of a collapse, with the run-out and the\n"
+            "height of the last. Of a search: the bracket and the trials, round by round. Of a sweep: one column of its table\n"
+            "(`scree fetch`) against another, by default the first that differ; trials that differ in more get a line each, or a\n"
+            "line each value of --by. --log fits a power law to each line; --beside draws others with them, as \"2,1 3.4,0.65\"\n"
+            "for 2 x and 3.4 x^0.65. Where the force has a spectrum, by default its power against the inertial number and beside\n"
+            "what models predict; of flows down a chute, mobility against beta with its bars beside the published lines; of a\n"
+            "sweep over scenarios grains beside continuum.\n"
+            "\n"
+            "  scree plot j17\n"
+            "  scree plot s3 -o sweep.svg --x params.slope_deg --y mean_velocity\n"
+            "  scree plot s5 --x aspect_ratio --y run_out_ratio --by params.plane --log --beside \"2,1 3.4,0.65\"\n",
     .options = options,
     .words_min = 1,
     .words_max = 1,

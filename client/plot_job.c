@@ -13,6 +13,7 @@
 #include "plot_profiles.h"
 #include "plot_read.h"
 #include "plot_surface.h"
+#include "plot_views.h"
 
 #define FORCE    "basal_force"
 #define HEAP     "heap"
@@ -167,7 +168,7 @@ static int rows_of(const cJSON *record)
     bool force = plot_chunks_of(record, FORCE) > 0;
     return (plot_chunks_of(record, "walls") > 0 ? PLOT_CHUTE_ROWS : 0) + force + (force && has_blows(record)) +
            (plot_chunks_of(record, SPECTRUM) > 0) + (plot_chunks_of(record, PROFILES) > 0) + (plot_chunks_of(record, SURFACE) > 0) +
-           (plot_chunks_of(record, HEAP) > 0);
+           (plot_chunks_of(record, HEAP) > 0) + (int)plot_views_rows(record);
 }
 
 /* Where the next plot goes: a row of `rows`, from the top, under the title. */
@@ -186,6 +187,7 @@ static enum outcome write_script(struct link *link, const cJSON *record, struct 
     struct plot_chute chute = {.script = p->script};
     struct plot_surface surface = {.script = p->script};
     struct plot_heap heap = {.script = p->script};
+    struct plot_views views = {.script = p->script};
     int row = 0, rows = rows_of(record);
     char heading[200];
     enum outcome outcome = plot_read_chunks(link, id, FORCE, 0, plot_chunks_of(record, FORCE), plot_force_take, t, err);
@@ -200,6 +202,8 @@ static enum outcome write_script(struct link *link, const cJSON *record, struct 
     if (!outcome)
         outcome = plot_read_chunks(link, id, HEAP, 0, plot_chunks_of(record, HEAP), plot_heap_take, &heap, err);
     plot_heap_end(&heap);
+    if (!outcome)
+        outcome = plot_views_read(link, record, &views, err);
     if (outcome)
         return outcome;
     snprintf(heading, sizeof heading, "%.20s  %.60s  %.20s  %.20s", id, json_text(record, "scenario"), state,
@@ -209,6 +213,8 @@ static enum outcome write_script(struct link *link, const cJSON *record, struct 
     picture_title(p, "title", heading, title);
     for (int k = 0; chute.walls > 0 && k < PLOT_CHUTE_ROWS; k++, row++)
         plot_chute_draw(&chute, k, 0.95 - 0.95 * (row + 1) / rows, 0.95 / rows);
+    for (size_t k = 0; k < views.rows; k++, row++)
+        plot_views_draw(&views, record, k, 0.95 - 0.95 * (row + 1) / rows, 0.95 / rows);
     if (plot_chunks_of(record, FORCE) > 0) {
         place_row(p, row++, rows);
         draw_means(p, record, t);
@@ -241,7 +247,7 @@ enum outcome plot_job(struct link *link, const cJSON *record, const char *file, 
 {
     const char *id = json_text(record, "id");
     struct picture picture;
-    if (plot_chunks_of(record, FORCE) == 0 && plot_chunks_of(record, SURFACE) == 0) {
+    if (rows_of(record) == 0) {
         outcome_fail(err, OUTCOME_REFUSED, "%.20s has no force on a base to draw", id ? id : "the job");
         scree_hint(err, "record.basal_force must be on, and its first chunk be there");
         return OUTCOME_REFUSED;

@@ -14,7 +14,7 @@
 
 enum job_state { JOB_QUEUED, JOB_RUNNING, JOB_PAUSED, JOB_DONE, JOB_FAILED, JOB_CANCELLED, JOB_HELD, JOB_STATES };
 
-enum { JOB_ID_MAX = 24, JOB_STREAMS_MAX = 12, JOB_NOTE_MAX = 512, JOB_REQUEST_MAX = 112 };
+enum { JOB_ID_MAX = 24, JOB_STREAMS_MAX = 24, JOB_NOTE_MAX = 512, JOB_REQUEST_MAX = 112 };
 
 /* What a run has come to; written by the worker under `lock`, read by control. */
 struct run_report {

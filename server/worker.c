@@ -91,9 +91,11 @@ static enum scree_status declare_streams(struct context *c, const struct scree_w
 {
     const struct scree_stream *const *streams;
     size_t count = scree_world_streams(world, &streams);
+    if (count > JOB_STREAMS_MAX)
+        return scree_fail(err, SCREE_INTERNAL, "record", "this job has %zu streams, and %d fit", count, JOB_STREAMS_MAX);
     enum scree_status status = chunk_log_declare(c->log, streams, count, err);
     pthread_mutex_lock(&c->run->lock);
-    for (size_t k = 0; k < count && k < JOB_STREAMS_MAX && !status; k++)
+    for (size_t k = 0; k < count && !status; k++)
         c->run->streams[c->run->stream_count++] = streams[k];
     c->run->stands = !status;
     pthread_mutex_unlock(&c->run->lock);

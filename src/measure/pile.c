@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* See pile.h. A part's outline is the hull of its corners' projections; a pixel is
- * covered when its centre is inside it, or nearer to it than the corners' balls. */
+/* See pile.h. */
 #include "measure/pile.h"
 
 #include <math.h>
@@ -9,109 +8,10 @@
 
 #include "base/memory.h"
 #include "measure/measure.h"
-
-enum { CORNERS_MAX = 256 };
-
-struct outline {
-    double point[CORNERS_MAX][2]; // anticlockwise
-    size_t count;
-    double radius, low[2], high[2]; // bounds with the radius
-};
-
-static double turn(const double a[2], const double b[2], const double c[2])
-{
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-}
-
-static int by_place(const void *x, const void *y)
-{
-    const double *a = x, *b = y;
-    return a[0] != b[0] ? (a[0] < b[0] ? -1 : 1) : (a[1] > b[1]) - (a[1] < b[1]);
-}
-
-/* Hull of a part's corners along two axes of space (Andrew 1979). */
-static void outline_of(const struct view *view, uint32_t part, int axis0, int axis1, struct outline *out)
-{
-    double point[CORNERS_MAX][2];
-    size_t n = 0, kept = 0, from = view->part_start[part], to = view->part_start[part + 1];
-    for (size_t k = from; k < to && n < CORNERS_MAX; k++, n++) {
-        point[n][0] = view->corner[k][axis0];
-        point[n][1] = view->corner[k][axis1];
-    }
-    out->radius = n > 0 ? view->corner[from][3] : 0;
-    qsort(point, n, sizeof *point, by_place);
-    double(*hull)[2] = out->point;
-    for (size_t k = 0; k < n; k++) { // below
-        while (kept >= 2 && turn(hull[kept - 2], hull[kept - 1], point[k]) <= 0)
-            kept--;
-        memcpy(hull[kept++], point[k], sizeof *hull);
-    }
-    for (size_t k = n, below = kept + 1; k-- > 1;) { // above, back again
-        while (kept >= below && turn(hull[kept - 2], hull[kept - 1], point[k - 1]) <= 0)
-            kept--;
-        if (kept < CORNERS_MAX)
-            memcpy(hull[kept++], point[k - 1], sizeof *hull);
-    }
-    out->count = n > 1 && kept > 1 ? kept - 1 : n;
-    for (int a = 0; a < 2; a++) {
-        out->low[a] = INFINITY;
-        out->high[a] = -INFINITY;
-        for (size_t k = 0; k < n; k++) {
-            out->low[a] = fmin(out->low[a], point[k][a] - out->radius);
-            out->high[a] = fmax(out->high[a], point[k][a] + out->radius);
-        }
-    }
-}
-
-static double square_to_edge(const double p[2], const double a[2], const double b[2])
-{
-    double along[2] = {b[0] - a[0], b[1] - a[1]}, from[2] = {p[0] - a[0], p[1] - a[1]};
-    double length2 = along[0] * along[0] + along[1] * along[1];
-    double at = length2 > 0 ? fmin(1, fmax(0, (from[0] * along[0] + from[1] * along[1]) / length2)) : 0;
-    double x = from[0] - at * along[0], y = from[1] - at * along[1];
-    return x * x + y * y;
-}
-
-static bool covers(const struct outline *o, const double p[2])
-{
-    bool inside = o->count >= 3;
-    double nearest = INFINITY;
-    for (size_t k = 0; k < o->count; k++) {
-        const double *a = o->point[k], *b = o->point[(k + 1) % o->count];
-        inside = inside && turn(a, b, p) >= 0;
-        nearest = fmin(nearest, square_to_edge(p, a, b));
-    }
-    return inside || nearest <= o->radius * o->radius;
-}
-
-struct raster {
-    size_t columns, lines; // along x, across
-    double pixel;
-    unsigned char *covered; // column by column
-};
-
-/* Pixels whose centres lie in [low, high). */
-static void pixels_of(double low, double high, double pixel, size_t count, size_t *from, size_t *to)
-{
-    *from = (size_t)fmin((double)count, fmax(0, ceil(low / pixel - 0.5)));
-    *to = (size_t)fmin((double)count, fmax(0, ceil(high / pixel - 0.5)));
-}
-
-static void cover(const struct outline *o, struct raster *r)
-{
-    size_t x0, x1, y0, y1;
-    pixels_of(o->low[0], o->high[0], r->pixel, r->columns, &x0, &x1);
-    pixels_of(o->low[1], o->high[1], r->pixel, r->lines, &y0, &y1);
-    for (size_t x = x0; x < x1; x++)
-        for (size_t y = y0; y < y1; y++) {
-            const double p[2] = {((double)x + 0.5) * r->pixel, ((double)y + 0.5) * r->pixel};
-            unsigned char *pixel = &r->covered[x * r->lines + y];
-            *pixel = *pixel || covers(o, p);
-        }
-}
+#include "measure/raster.h"
 
 /* Highest point of an outline (y, z) over a line at y. */
-static double top_at(const struct outline *o, double y)
+static double top_at(const struct raster_outline *o, double y)
 {
     double top = -INFINITY;
     for (size_t k = 0; k < o->count; k++) {
@@ -124,12 +24,23 @@ static double top_at(const struct outline *o, double y)
     return top;
 }
 
-static void raise(const struct outline *o, double pixel, double *top, size_t lines)
+static void raise(const struct raster_outline *o, double pixel, double *top, size_t lines)
 {
     size_t from, to;
-    pixels_of(o->low[0], o->high[0], pixel, lines, &from, &to);
+    raster_pixels(o->low[0], o->high[0], pixel, lines, &from, &to);
     for (size_t y = from; y < to; y++)
         top[y] = fmax(top[y], top_at(o, ((double)y + 0.5) * pixel));
+}
+
+/* As a camera in front sees them: the highest part over each line. */
+static void raise_all(const struct view *view, double pixel, double *top, size_t lines)
+{
+    struct raster_outline front;
+    for (size_t k = 0; k < view->bodies; k++)
+        for (uint32_t p = view->body[k].part_first; p < view->body[k].part_first + view->body[k].parts; p++) {
+            raster_outline(view, p, 1, 2, &front);
+            raise(&front, pixel, top, lines);
+        }
 }
 
 size_t pile_first_below(const double *share, size_t count, size_t from, double threshold)
@@ -151,7 +62,7 @@ static void read_rasters(const struct raster *r, size_t from, double *share, dou
     for (size_t x = 0; x < r->columns; x++) {
         size_t covered = 0;
         for (size_t y = 0; y < r->lines; y++)
-            covered += r->covered[x * r->lines + y];
+            covered += r->body[x * r->lines + y] != RASTER_NOTHING;
         share[x] = (double)covered / (double)r->lines;
     }
     out->runout = r->pixel * (double)pile_first_below(share, r->columns, from, 0.1);
@@ -187,28 +98,22 @@ static void sum_up(const struct view *view, struct pile *out)
 enum scree_status pile_measure(const struct view *view, double length, double width, double from, double pixel, struct pile *out,
                                struct scree_error *err)
 {
-    struct raster r = {
-        .columns = (size_t)fmax(1, round(length / pixel)), .lines = (size_t)fmax(1, round(width / pixel)), .pixel = pixel};
-    double *share = memory_rows(r.columns, sizeof *share), *top = memory_rows(r.lines, sizeof *top);
-    r.covered = memory_rows(r.columns * r.lines, 1);
+    struct raster r;
     *out = (struct pile){0};
-    enum scree_status status =
-        share && top && r.covered ? SCREE_OK : scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for an image");
-    for (size_t k = 0; k < view->bodies && !status; k++)
-        for (uint32_t p = view->body[k].part_first; p < view->body[k].part_first + view->body[k].parts; p++) {
-            struct outline above, front;
-            outline_of(view, p, 0, 1, &above);
-            outline_of(view, p, 1, 2, &front);
-            cover(&above, &r);
-            raise(&front, pixel, top, r.lines);
-        }
-    if (!status) {
-        read_rasters(&r, (size_t)fmax(0, from / pixel), share, top, out);
+    enum scree_status status = raster_draw(view, RASTER_ABOVE, length, width, pixel, &r, err);
+    if (status)
+        return status;
+    double *share = memory_rows(r.columns, sizeof *share), *top = memory_rows(r.lines, sizeof *top);
+    if (share && top) {
+        raise_all(view, r.pixel, top, r.lines);
+        read_rasters(&r, (size_t)fmax(0, from / r.pixel), share, top, out);
         sum_up(view, out);
+    } else {
+        status = scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for an image's sums");
     }
     free(share);
     free(top);
-    free(r.covered);
+    raster_free(&r);
     return status;
 }
 

@@ -10,7 +10,7 @@
 extern const struct measurement measure_basal_force, measure_bulk, measure_energy, measure_spectrum, measure_profiles,
     measure_connectivity, measure_collisions, measure_forces, measure_contact, measure_flow, measure_fragments, measure_snapshots,
     measure_grains, measure_basal_force_continuum, measure_deposit, measure_point_snapshots, measure_points, measure_pile,
-    measure_rolling, measure_surface, measure_heap, measure_repose, measure_verdict;
+    measure_rolling, measure_surface, measure_heap, measure_views, measure_repose, measure_verdict;
 
 const struct measurement *const measurement_list[] = {
     &measure_basal_force,
@@ -35,6 +35,7 @@ const struct measurement *const measurement_list[] = {
     &measure_rolling,
     &measure_surface,
     &measure_heap,
+    &measure_views,
     &measure_repose,
 };
 const size_t measurement_count = sizeof measurement_list / sizeof *measurement_list;

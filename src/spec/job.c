@@ -68,7 +68,9 @@ static const struct field surface_fields[] = {EVERY(1.0 / 15, "interval between 
 _Static_assert(offsetof(struct record_series, every_s) == sizeof(double) &&
                    offsetof(struct record_every, every_s) == sizeof(double),
                "EVERY takes the interval to follow the switch");
-_Static_assert(offsetof(struct record_profiles, every_s) == sizeof(double), "here, too");
+_Static_assert(offsetof(struct record_profiles, every_s) == sizeof(double) &&
+                   offsetof(struct record_views, every_s) == sizeof(double),
+               "here, too");
 
 static const struct field_table series_table = {"series", "", series_fields, COUNT(series_fields), sizeof(struct record_series)};
 static const struct field_table bulk_table = {"bulk", "", bulk_fields, COUNT(bulk_fields), sizeof(struct record_every)};
@@ -171,6 +173,18 @@ static const struct field rolling_fields[] = {
 static const struct field_table rolling_table = {"rolling", "", rolling_fields, COUNT(rolling_fields), sizeof(struct record_every)};
 static const struct field connectivity_fields[] = {EVERY(1e-3, "interval between samples")};
 static const struct field heap_fields[] = {EVERY(5e-3, "interval between samples")};
+static const struct field views_fields[] = {
+    EVERY(0.05, "interval between frames"),
+    {.name = "pixels",
+     .type = FIELD_INT,
+     .offset = offsetof(struct record_views, pixels),
+     .min = 1,
+     .max = 40,
+     .preset = 8,
+     .unit = "pixels",
+     .doc = "across the sphere of a body's volume; larger pixels where a picture would have more than four million",
+     .source = "seed 001 III: some 20"},
+};
 static const struct field forces_fields[] = {EVERY(1e-2, "interval between frames")};
 static const struct field_table profiles_table = {"profiles", "", profiles_fields, COUNT(profiles_fields),
                                                   sizeof(struct record_profiles)};
@@ -181,6 +195,7 @@ static const struct field_table spectrum_table = {"spectrum", "", spectrum_field
 static const struct field_table connectivity_table = {"connectivity", "", connectivity_fields, COUNT(connectivity_fields),
                                                       sizeof(struct record_every)};
 static const struct field_table heap_table = {"heap", "", heap_fields, COUNT(heap_fields), sizeof(struct record_every)};
+static const struct field_table views_table = {"views", "", views_fields, COUNT(views_fields), sizeof(struct record_views)};
 static const struct field_table forces_table = {"forces", "", forces_fields, COUNT(forces_fields), sizeof(struct record_every)};
 
 static const struct field record_fields[] = {
@@ -296,6 +311,14 @@ static const struct field record_fields[] = {
      .doc = "rigid bodies: speeds on the way, contacts and fabric when the gate goes or at the end, kind of collapse",
      .source = "seed 001 IV",
      .table = &heap_table},
+    {.name = "views",
+     .type = FIELD_SWITCH,
+     .offset = offsetof(struct record_spec, views),
+     .preset = 0,
+     .unit = "",
+     .doc = "rigid bodies: pictures from above and from aside, a frame an instant",
+     .source = "seed 001 III.C",
+     .table = &views_table},
 };
 static const struct field_table record_table = {"record", "", record_fields, COUNT(record_fields), sizeof(struct record_spec)};
 
@@ -387,12 +410,13 @@ void job_defaults(struct job_spec *job, const struct scenario_fields *scenario)
 static enum scree_status check_kind(const struct job_spec *job, struct scree_error *err)
 {
     static const char *const of_grains[] = {"profiles", "collisions", "connectivity", "spectrum", "forces"};
+    static const char *const of_bodies[] = {"heap", "views"};
+    char path[64];
     if (job->record.rolling.on && strcmp(job->scenario->name, "rolling") != 0)
         return scree_fail(err, SCREE_INVALID, "record.rolling",
                           "record.rolling: is for scenario rolling, of one sphere on a plane");
     for (size_t k = 0; k < COUNT(of_grains) && job->scenario->kind == SCENARIO_MPM; k++)
         if (record_find(job, of_grains[k]).on) {
-            char path[64];
             snprintf(path, sizeof path, "record.%s", of_grains[k]);
             return scree_fail(err, SCREE_INVALID, path, "%s: is for worlds of grains, and scenario %s is a continuum", path,
                               job->scenario->name);
@@ -400,9 +424,12 @@ static enum scree_status check_kind(const struct job_spec *job, struct scree_err
     if (job->record.surface.on && job->scenario->kind != SCENARIO_MPM)
         return scree_fail(err, SCREE_INVALID, "record.surface", "record.surface: is for continua, and scenario %s is none",
                           job->scenario->name);
-    if (job->record.heap.on && scenario_material(job->scenario)->table != &rigid_table)
-        return scree_fail(err, SCREE_INVALID, "record.heap", "record.heap: is for worlds of rigid bodies, and scenario %s has none",
-                          job->scenario->name);
+    for (size_t k = 0; k < COUNT(of_bodies) && scenario_material(job->scenario)->table != &rigid_table; k++)
+        if (record_find(job, of_bodies[k]).on) {
+            snprintf(path, sizeof path, "record.%s", of_bodies[k]);
+            return scree_fail(err, SCREE_INVALID, path, "%s: is for worlds of rigid bodies, and scenario %s has none", path,
+                              job->scenario->name);
+        }
     return SCREE_OK;
 }
 

@@ -179,6 +179,11 @@ struct record_series { // a switch: a dense series, cut into chunks of `chunk` s
     double every_s;
     int64_t chunk;
 };
+struct record_views { // pictures
+    bool on;
+    double every_s;
+    int64_t pixels; // across the sphere of a body's volume
+};
 struct record_profiles { // profiles along the base's normal
     bool on;
     double every_s; // between samples
@@ -204,6 +209,7 @@ struct record_spec {
     struct record_every flow;         // scenario chute: where the flow is, its agitation and losses
     struct record_every surface;      // continuum: free surface and static line along x
     struct record_every heap;         // rigid bodies: speeds, contacts, fabric, kind of collapse
+    struct record_views views;        // rigid bodies: pictures from above and from aside
     struct record_every contact;      // scenario collision: overlap and forces of the one contact
     struct record_every rolling;      // scenario rolling: place, velocity and spin of the sphere
     struct record_profiles profiles;  // by height: phi, u, T, impacts, share joined to the base

@@ -77,6 +77,8 @@ static void dam_break(struct job_spec *job)
     job->time.end_s = 0.16;
     job->record.snapshots.on = true;
     job->record.snapshots.every_s = 0.02;
+    job->record.views.on = true;
+    job->record.views.every_s = 0.01;
     job->record.forces.on = true;
     job->record.forces.every_s = 0.01;
     assert_int_equal(job_check(job, 0, NULL), SCREE_OK);
@@ -101,6 +103,7 @@ static void hopper(struct job_spec *job)
     job->record.basal_force.every_s = 3e-3;
     job->record.bulk.every_s = 3e-3;
     job->record.heap.every_s = 3e-3;
+    job->record.views = (struct record_views){true, 6e-3, 3};
     assert_int_equal(job_check(job, 0, NULL), SCREE_OK);
 }
 

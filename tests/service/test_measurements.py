@@ -19,7 +19,12 @@ SOURCE = os.environ["SCREE_SOURCE"]
 EVERY, WINDOW, SEGMENTS = 2.5e-6, 0.02, 8
 SPEC = tiny(end_s=0.1, params={"nx": 4, "ny": 4, "nz": 4, "slope_deg": 25}, record={
     "basal_force": {"every_s": EVERY}, "bulk": {}, "profiles": {"frame_s": 0.02}, "collisions": {"from_s": 0.05},
-    "connectivity": {}, "spectrum": {"window_s": WINDOW, "segments": SEGMENTS}, "forces": {"every_s": 0.02}})
+    "connectivity": {}, "spectrum": {"window_s": WINDOW, "segments": SEGMENTS}, "forces": {"every_s": 0.02}, "energy": {},
+    "snapshots": {"every_s": 0.02}})
+THREE_BEADS = {"scenario": "dam_break", "title": "Three beads in one layer, which the gate lets go", "material": {
+    "preset": "hopper-beads", "stiffness_N_m": 2e3, "stiffness_t_N_m": 500, "gamma_t_1_s": 100}, "params": {
+        "count": 3, "length_m": 0.1, "width_m": 0.03, "column_m": 0.03, "settle_s": 0.06, "body": {"shape": "sphere", "radius_m": 5e-3}},
+    "time": {"step_s": 2e-5, "end_s": 0.13}, "record": {"views": {"every_s": 0.02, "pixels": 40}}}
 
 
 def welch(x, dt, segments):
@@ -73,8 +78,16 @@ class Measurements(unittest.TestCase):
                 bare.append(name)
         with h5py.File(self.file) as file:
             file["observables"].visititems(look)
-            self.assertEqual(set(SPEC["record"]) - set(file["observables"]), set())
+            self.assertEqual(set(SPEC["record"]) - set(file["observables"]), {"snapshots"})  # which are under particles
+            self.assertEqual(len(file["particles/grains/position/time"]), 6 + 1)  # and `grains`
         self.assertEqual(bare, [])
+
+    def test_no_stream_is_left_out_where_all_are_asked_for(self):
+        empty = [name for name, stream in self.record["streams"].items() if stream["chunks"] == 0]
+        self.assertEqual((len(self.record["streams"]), empty), (13, []))
+        for name, stream in self.record["streams"].items():
+            lines = self.scree("tail", self.job, name, "--format", "csv", "--from", str(stream["chunks"] - 1)).stdout.splitlines()
+            self.assertGreater(len(lines), 1, name)
 
     def test_the_spectrum_follows_from_the_stored_force(self):
         with h5py.File(self.file) as file:
@@ -150,6 +163,35 @@ class Measurements(unittest.TestCase):
             with open(name, "w", encoding="utf-8") as file:
                 json.dump({**SPEC, "record": {**SPEC["record"], "spectrum": spectrum}}, file)
             self.assertIn(message, self.scree("check", name, code=2).stderr)
+
+    def test_views_show_what_is_there(self):
+        job, name = self.daemon.control.submit(THREE_BEADS), os.path.join(self.folder.name, "beads.h5")
+        self.daemon.control.wait(job)
+        self.scree("fetch", job, "-o", name)
+        pixel, bead = 2 * 5e-3 / 40, numpy.pi * 5e-3 ** 2
+        with h5py.File(name) as file:
+            for view, axes in (("view_above", "xyz"), ("view_aside", "xzy")):
+                group = file["observables"][view]
+                self.assertTrue(numpy.allclose(group["frame_time"], [0, 0.02, 0.04, 0.06, 0.08, 0.1, 0.12, 0.13]), view)
+                self.assertEqual(group["frame_rows"][:].sum(), len(group["x"]))
+                self.assertEqual([group[axis].attrs["unit"] for axis in axes], 3 * [b"m"])
+                self.assertEqual(group["speed"].attrs["unit"], b"m/s")
+            rows, bodies = file["observables/view_above/frame_rows"][:].astype(int), file["observables/bodies"]
+            self.assertAlmostEqual(rows[0] * pixel ** 2 / (3 * bead), 1, 2)  # none hides another in one layer
+            self.assertAlmostEqual(rows[-1] * pixel ** 2 / (3 * bead), 1, 2)
+            last = {column: file["observables/view_above"][column][-rows[-1]:] for column in ("x", "y", "z", "speed")}
+            for x, y, z, v in zip(bodies["x"], bodies["y"], bodies["z"], numpy.hypot(numpy.hypot(bodies["vx"], bodies["vy"]), bodies["vz"])):
+                here = numpy.hypot(last["x"] - x, last["y"] - y) < 4e-3
+                self.assertAlmostEqual(here.sum() * pixel ** 2 / (numpy.pi * 4e-3 ** 2), 1, 1)
+                self.assertTrue(numpy.allclose(last["z"][here], z) and numpy.allclose(last["speed"][here], v))
+        picture = os.path.join(self.folder.name, "beads.svg")
+        self.scree("plot", job, "-o", picture)
+        with open(picture, encoding="utf-8") as file:
+            text = file.read()
+        for word in ("0 s after the gate", "sqrt(H0 / g)", "x (cm)", "z (cm)", "y (cm)", "hue: speed"):
+            self.assertTrue(word in text, word)
+        runout = {row["name"]: row["value"] for row in self.daemon.control.ask("show", {"job": job})["numbers"]}["runout"]
+        self.assertTrue(f"L {100 * runout:.3g} cm" in text, runout)
 
     def test_a_channel_is_measured_in_the_half_at_its_midline(self):
         spec = {**tiny(end_s=0.12, record={"basal_force": {}, "bulk": {}, "profiles": {"frame_s": 0.02}, "connectivity": {},

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Image rules of a heap (targets S1-12), on heaps whose picture is known. */
+/* Image rules of a heap (targets S1-12), on heaps whose pictures are known. */
 #include "unit.h"
 
 #include <math.h>
 
+#include "measure/measure.h"
 #include "measure/pile.h"
+#include "measure/raster.h"
 #include "measure/repose.h"
 
 /* Boxes with edges along the axes, one part each, and crusts of radius r. */
@@ -110,6 +112,101 @@ static void a_sphere_covers_its_disc(void **state)
     assert_near(p.height_high, 0.3 + sqrt(0.09 - 0.125 * 0.125), 2e-3); // a quarter of all lines is within 0.125 of the middle
 }
 
+/* ---- pictures ---- */
+
+enum { WIDE = 8, HIGH = 4 };
+struct painted {
+    char pixel[2][HIGH][WIDE + 1]; // from above, from aside; top line first
+    size_t frames[2];
+};
+
+/* Paints a frame with the letter of the body that each pixel shows, told by its speed. */
+static enum scree_status paint(void *context, const struct scree_chunk *chunk, struct scree_error *err)
+{
+    struct painted *painted = context;
+    const bool above = strcmp(chunk->stream->name, "view_above") == 0;
+    const struct scree_column *columns = chunk->stream->columns;
+    (void)err;
+    assert_string_equal(columns[0].name, "x");
+    assert_string_equal(columns[1].name, above ? "y" : "z");
+    assert_string_equal(columns[2].name, above ? "z" : "y");
+    assert_int_equal(chunk->stream->column_count, 4);
+    painted->frames[!above]++;
+    for (size_t k = 0; k < chunk->rows; k++) {
+        const double *row = chunk->values + 4 * k;
+        double x = row[0] / 0.01 - 0.5, y = row[1] / 0.01 - 0.5; // whole numbers in the middle of a pixel
+        size_t body = (size_t)round(row[3]) - 1;
+        assert_true(x > -0.1 && x < WIDE && y > -0.1 && y < HIGH && body < heap.view.bodies);
+        assert_near(x, round(x), 1e-9);
+        assert_near(y, round(y), 1e-9);
+        assert_near(row[2], heap.body[body].position[above ? 2 : 1], 1e-12);
+        char *pixel = &painted->pixel[!above][HIGH - 1 - (size_t)round(y)][(size_t)round(x)];
+        assert_int_equal(*pixel, '.'); // each pixel once
+        *pixel = (char)('A' + body);
+    }
+    return SCREE_OK;
+}
+
+/* Three boxes on a floor of 8 by 4 pixels of 10 mm: A in front, B behind it and higher, C over B, partly out of the box. */
+static void a_picture_shows_the_nearest_body_of_each_pixel(void **state)
+{
+    (void)state;
+    static const char *const expected[2][HIGH] = {{".CC.....", ".CCBB...", "AA......", "AA......"},
+                                                  {".CC.....", ".BBBB...", "AABBB...", "AABBB..."}};
+    extern const struct measurement measure_views;
+    add_box(0.00, 0.02, 0.00, 0.02, 0.00, 0.02, 1e-3);
+    add_box(0.01, 0.05, 0.02, 0.03, 0.00, 0.03, 1e-3);
+    add_box(0.01, 0.03, 0.02, 0.06, 0.03, 0.04, 1e-3);
+    for (size_t k = 0; k < 3; k++)
+        heap.body[k].velocity[k] = k == 1 ? -2.0 : 1.0 + (double)k;
+    struct job_spec job = {.record.views.pixels = 8};
+    struct painted painted = {0};
+    const struct scree_sink sink = {paint, &painted};
+    struct measure_context context = {
+        .job = &job, .sink = &sink, .site = {.diameter = 0.08, .length_x = 0.08, .width_y = 0.04}, .time_s = 0.5};
+    const struct measure_now now = {.grains = &heap.view};
+    void *views = calloc(1, measure_views.size);
+    assert_non_null(views);
+    for (size_t k = 0; k < measure_views.stream_count; k++)
+        assert_int_equal(series_start(&measure_series(&measure_views, views)[k], measure_views.streams[k], 0, 0, NULL), SCREE_OK);
+    for (size_t frame = 1; frame <= 2; frame++) {
+        memset(painted.pixel, '.', sizeof painted.pixel);
+        assert_int_equal((frame == 1 ? measure_views.first : measure_views.sample)(views, &context, &now, NULL), SCREE_OK);
+        for (size_t k = 0; k < 2; k++) {
+            assert_int_equal(painted.frames[k], frame);
+            for (size_t line = 0; line < HIGH; line++)
+                assert_memory_equal(painted.pixel[k][line], expected[k][line], WIDE);
+        }
+    }
+    assert_int_equal(measure_views.close(views, &context, &now, NULL), SCREE_OK);
+    assert_int_equal(painted.frames[0], 2); // the end has been looked at
+    memset(painted.pixel, '.', sizeof painted.pixel);
+    context.time_s = 0.6;
+    assert_int_equal(measure_views.close(views, &context, &now, NULL), SCREE_OK);
+    assert_int_equal(painted.frames[0], 3);
+    heap.view.bodies = 0;
+    assert_int_equal(measure_views.sample(views, &context, &now, NULL), SCREE_OK);
+    assert_int_equal(painted.frames[0], 3); // nothing to be seen: no frame
+    for (size_t k = 0; k < measure_views.stream_count; k++)
+        series_end(&measure_series(&measure_views, views)[k]);
+    free(views);
+}
+
+/* What a world may ask for is no reason to run out of memory. */
+static void pixels_grow_where_there_would_be_too_many(void **state)
+{
+    (void)state;
+    struct raster r;
+    add_box(0, 1, 0, 0.5, 0, 1, 1e-3);
+    assert_int_equal(raster_draw(&heap.view, RASTER_ABOVE, 1, 1, 1e-9, &r, NULL), SCREE_OK);
+    assert_near((double)(r.columns * r.lines) / RASTER_PIXELS_MAX, 1, 1e-3);
+    assert_near(r.pixel * (double)r.columns, 1, 1e-3);
+    const uint32_t *middle = &r.body[r.columns / 2 * r.lines];
+    assert_int_equal(middle[r.lines / 4], 0);
+    assert_true(middle[3 * r.lines / 4] == RASTER_NOTHING);
+    raster_free(&r);
+}
+
 static void shares_below_a_threshold(void **state)
 {
     (void)state;
@@ -152,6 +249,8 @@ int main(void)
         cmocka_unit_test_setup(what_lies_before_the_heap_does_not_count, empty),
         cmocka_unit_test_setup(height_is_that_of_the_highest_body_across, empty),
         cmocka_unit_test_setup(a_sphere_covers_its_disc, empty),
+        cmocka_unit_test_setup(a_picture_shows_the_nearest_body_of_each_pixel, empty),
+        cmocka_unit_test_setup(pixels_grow_where_there_would_be_too_many, empty),
         cmocka_unit_test(shares_below_a_threshold),
         cmocka_unit_test(slope_of_a_cone),
     };

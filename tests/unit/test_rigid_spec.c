@@ -127,6 +127,9 @@ static void heap_of_what_has_no_bodies(void **state)
     job_defaults(&job, &scenario_incline_fields);
     job.record.heap.on = true;
     refused(&job, "record.heap", "record.heap: is for worlds of rigid bodies, and scenario incline has none");
+    job.record.heap.on = false;
+    job.record.views.on = true;
+    refused(&job, "record.views", "record.views: is for worlds of rigid bodies, and scenario incline has none");
 }
 
 int main(void)
