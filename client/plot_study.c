@@ -81,16 +81,13 @@ static void describe_answer(const cJSON *record, char *out, size_t size)
 {
     const cJSON *spread = json_get(record, "spread");
     const char *unit = json_text(record, "unit");
-    char mean[TEXT_MAX], deviation[TEXT_MAX];
+    const double mean = json_number(spread, "mean", NAN), replicas = json_number(spread, "replicas", 0);
     *out = 0;
-    if (!(json_number(spread, "replicas", 0) > 0))
-        return;
-    text_number(json_number(spread, "mean", NAN), mean);
-    if (json_number(spread, "replicas", 0) > 1)
-        snprintf(out, size, "%s ± %s %.20s over %.0f replicas", mean, text_number(json_number(spread, "deviation", NAN), deviation),
-                 unit ? unit : "", json_number(spread, "replicas", 0));
-    else
-        snprintf(out, size, "%s %.20s", mean, unit ? unit : "");
+    if (replicas > 1)
+        snprintf(out, size, "%.3g ± %.2g %.20s over %.0f replicas", mean, json_number(spread, "deviation", NAN), unit ? unit : "",
+                 replicas);
+    else if (replicas > 0)
+        snprintf(out, size, "%.6g %.20s", mean, unit ? unit : "");
 }
 
 static int last_round(const cJSON *record)
@@ -116,7 +113,7 @@ static enum outcome draw_search(const cJSON *record, struct picture *p, struct s
     picture_quote(p, label);
     fprintf(p->script,
             "\nset xlabel 'round (0: the ends of the bracket)'\nset xtics 1\nset xrange [-0.4:%d.4]\n"
-            "set offsets 0, 0, graph 0.03, graph 0.03\nset key outside right top reverse Left samplen 2\nplot ",
+            "set offsets 0, 0, graph 0.03, graph 0.03\nset key inside right top reverse Left samplen 2\nplot ",
             last_round(record));
     for (int r = 0; r < replicas; r++)
         fprintf(p->script, "$bracket%d using 1:2:3 with filledcurves fc rgb '%s' fs transparent solid 0.12 noborder notitle, ", r,
