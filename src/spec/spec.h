@@ -281,7 +281,10 @@ struct job_cost {
     double moving, fixed; // grains
     double steps;
     double bytes;
+    double rate; // grain-steps a second of one core that estimates of time assume; set by job_cost
 };
+struct job_cost job_cost(const struct job_spec *job);
+double job_cost_seconds(const struct job_cost *cost);
 extern const struct scenario_fields *const scenario_list[];
 extern const size_t scenario_count;
 const struct scenario_fields *scenario_find(const char *name);
