@@ -150,6 +150,9 @@ extern const struct field_table body_table;
 double body_reach(const struct body_spec *body);  // from the centre to the farthest point, m
 double body_volume(const struct body_spec *body); // for what a job costs: a tetrapod's is its legs', counted singly, m3
 
+/* What the crust must leave a core of, m; infinite where only the scenario knows, or where no core is needed. */
+double body_thinnest(const struct body_spec *body);
+
 struct job_spec;
 /* Refuses steps too long for contacts between bodies of that mass, kg. */
 enum scree_status rigid_step_check(const struct job_spec *job, double mass, struct scree_error *err);
