@@ -6,32 +6,14 @@
 #include "spec_file.h"
 #include "verbs.h"
 
-/* What the estimate of time assumes: a flow of some thousand grains on one core. The daemon's `check` assumes the same. */
-#define ASSUMED_RATE 1e8 // grain-steps per second
-
 static void print_cost(const struct job_cost *cost)
 {
     char moving[TEXT_MAX], fixed[TEXT_MAX], steps[TEXT_MAX], time[TEXT_MAX], rate[TEXT_MAX], bytes[TEXT_MAX];
     fflush(stdout);
     say("%s moving and %s fixed grains, %s steps: %.3g grain-steps", text_count(cost->moving, moving),
         text_count(cost->fixed, fixed), text_count(cost->steps, steps), cost->moving * cost->steps);
-    say("at most about %s at an assumed %s, %s of memory", text_duration(cost->moving * cost->steps / ASSUMED_RATE, time),
-        text_rate(ASSUMED_RATE, rate), text_bytes(cost->bytes, bytes));
-}
-
-static cJSON *cost_json(const struct job_cost *cost)
-{
-    cJSON *json = cJSON_CreateObject();
-    if (json) {
-        json_put_real(json, "moving", cost->moving);
-        json_put_real(json, "fixed", cost->fixed);
-        json_put_real(json, "steps", cost->steps);
-        json_put_real(json, "grain_steps", cost->moving * cost->steps);
-        json_put_real(json, "bytes", cost->bytes);
-        json_put_real(json, "seconds", cost->moving * cost->steps / ASSUMED_RATE);
-        json_put_real(json, "assumed_grain_steps_per_s", ASSUMED_RATE);
-    }
-    return json;
+    say("at most about %s at an assumed %s, %s of memory", text_duration(job_cost_seconds(cost), time), text_rate(cost->rate, rate),
+        text_bytes(cost->bytes, bytes));
 }
 
 static void print_trials(const struct study_plan *study)
@@ -49,14 +31,14 @@ static enum outcome check_run(const struct arguments *arguments)
     struct spec_file spec;
     enum outcome outcome = spec_file_read(arguments->words[0], arguments, memory_available(), &spec, &err);
     if (!outcome) {
-        struct job_cost cost = spec.job.scenario->cost(&spec.job);
+        struct job_cost cost = job_cost(&spec.job);
         if (spec.is_study)
-            study_plan_check(&spec.study, 0, &cost, &err);
+            study_plan_check(&spec.study, 0, NULL, &cost, &err);
         cJSON *resolved = spec.is_study ? study_encode(&spec.study) : job_encode(&spec.job);
         cJSON *line = arguments->json ? cJSON_CreateObject() : NULL;
         if (line) {
             json_put(line, "spec", resolved);
-            json_put(line, "cost", cost_json(&cost));
+            json_put(line, "cost", job_cost_encode(&cost));
             if (spec.is_study)
                 json_put(line, "trials", spec.study.trials ? json_real((double)spec.study.trials) : cJSON_CreateNull());
             put_json_line(line);

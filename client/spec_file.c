@@ -32,7 +32,7 @@ enum outcome spec_file_read(const char *path, const struct arguments *arguments,
     out->is_study = study_is(out->json);
     if (!status && out->is_study) {
         if (!(status = study_decode(out->json, &out->study, err)))
-            status = study_plan_check(&out->study, memory_limit, NULL, err);
+            status = study_plan_check(&out->study, memory_limit, NULL, NULL, err);
         out->job = out->study.base;
     } else if (!status && !(status = job_decode(out->json, &out->job, err))) {
         status = job_check(&out->job, memory_limit, err);

@@ -504,3 +504,17 @@ cJSON *material_describe(const struct material_preset *preset)
     json_put_real(json, "contact_time_at_0.14_m_s_s", material_contact_time(&preset->values, 0.14));
     return json;
 }
+
+cJSON *job_cost_encode(const struct job_cost *cost)
+{
+    unsigned long before = json_lacked();
+    cJSON *json = cJSON_CreateObject();
+    json_put_real(json, "moving", cost->moving);
+    json_put_real(json, "fixed", cost->fixed);
+    json_put_real(json, "steps", cost->steps);
+    json_put_real(json, "grain_steps", cost->moving * cost->steps);
+    json_put_real(json, "bytes", cost->bytes);
+    json_put_real(json, "seconds", job_cost_seconds(cost));
+    json_put_real(json, "assumed_grain_steps_per_s", cost->rate);
+    return json_whole(json, before);
+}

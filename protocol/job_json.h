@@ -30,6 +30,9 @@ enum scree_status table_decode(const struct field_table *table, const cJSON *jso
 cJSON *field_encode(const struct field *row, const void *value);
 void table_encode_into(cJSON *json, const struct field_table *table, const void *object);
 
+/* What `check` answers of a job's cost. */
+cJSON *job_cost_encode(const struct job_cost *cost);
+
 /* A table, or everything about a scenario or a preset, as JSON (what
  * `scree scenarios --json` prints). */
 cJSON *table_describe(const struct field_table *table);

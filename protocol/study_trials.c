@@ -112,16 +112,30 @@ static enum scree_status blame_trial(const char *trial, struct scree_error *err)
 
 static void add_cost(struct job_cost *sum, const struct job_spec *job, double times)
 {
-    struct job_cost cost = job->scenario->cost(job);
+    struct job_cost cost = job_cost(job);
+    const double seconds = job_cost_seconds(sum) + times * job_cost_seconds(&cost);
     /* Of sums, what counts is the work: steps are those that as many grains as the largest trial has would need. */
     double work = sum->moving * sum->steps + cost.moving * cost.steps * times;
     sum->moving = fmax(sum->moving, cost.moving);
     sum->fixed = fmax(sum->fixed, cost.fixed);
     sum->bytes = fmax(sum->bytes, cost.bytes);
     sum->steps = sum->moving > 0 ? work / sum->moving : 0;
+    sum->rate = seconds > 0 ? work / seconds : cost.rate;
 }
 
-static enum scree_status check_sweep(const struct study_plan *plan, double memory_limit, struct job_cost *cost,
+/* What every trial must pass. */
+struct trial_check {
+    double memory_limit;
+    enum scree_status (*also)(const struct job_spec *, struct scree_error *);
+};
+
+static enum scree_status check_trial(const struct trial_check *check, const struct job_spec *job, struct scree_error *err)
+{
+    enum scree_status status = job_check(job, check->memory_limit, err);
+    return status || !check->also ? status : check->also(job, err);
+}
+
+static enum scree_status check_sweep(const struct study_plan *plan, const struct trial_check *check, struct job_cost *cost,
                                      struct scree_error *err)
 {
     for (size_t k = 0; k < plan->trials; k++) {
@@ -129,7 +143,7 @@ static enum scree_status check_sweep(const struct study_plan *plan, double memor
         struct job_spec job;
         enum scree_status status = study_plan_trial(plan, k, &job, err);
         snprintf(name, sizeof name, "trial %zu", k);
-        if (status || (status = job_check(&job, memory_limit, err)))
+        if (status || (status = check_trial(check, &job, err)))
             return blame_trial(name, err);
         add_cost(cost, &job, 1);
     }
@@ -144,7 +158,7 @@ static double rounds_of(const struct study_plan *plan, double sections)
     return 1 + ceil(fmax(0, log((s->high - s->low) / unit) / log(sections + 1)));
 }
 
-static enum scree_status check_search(const struct study_plan *plan, double memory_limit, struct job_cost *cost,
+static enum scree_status check_search(const struct study_plan *plan, const struct trial_check *check, struct job_cost *cost,
                                       struct scree_error *err)
 {
     const struct study_spec *s = &plan->spec;
@@ -152,19 +166,21 @@ static enum scree_status check_search(const struct study_plan *plan, double memo
         struct job_spec job;
         /* The last replica has the largest seeds. */
         enum scree_status status = study_plan_search(plan, k ? s->high : s->low, (size_t)s->replicas - 1, 0, &job, err);
-        if (status || (status = job_check(&job, memory_limit, err)))
+        if (status || (status = check_trial(check, &job, err)))
             return blame_trial(k ? "the trial at the high end" : "the trial at the low end", err);
         add_cost(cost, &job, 0.5 * (double)s->replicas * (rounds_of(plan, 1) + 1));
     }
     return SCREE_OK;
 }
 
-enum scree_status study_plan_check(const struct study_plan *plan, double memory_limit, struct job_cost *cost,
+enum scree_status study_plan_check(const struct study_plan *plan, double memory_limit,
+                                   enum scree_status (*also)(const struct job_spec *, struct scree_error *), struct job_cost *cost,
                                    struct scree_error *err)
 {
+    const struct trial_check check = {memory_limit, also};
     struct job_cost sum = {0};
     enum scree_status status =
-        plan->spec.kind == STUDY_SWEEP ? check_sweep(plan, memory_limit, &sum, err) : check_search(plan, memory_limit, &sum, err);
+        plan->spec.kind == STUDY_SWEEP ? check_sweep(plan, &check, &sum, err) : check_search(plan, &check, &sum, err);
     if (cost)
         *cost = sum;
     return status;

@@ -20,10 +20,6 @@
 #include "protocol/job_json.h"
 #include "study_requests.h"
 
-/* Grain-steps per second assumed by `check`: a flow of some 1,000 grains on one
- * core of a processor of 2021, with records. */
-#define ASSUMED_RATE 1e8
-
 enum { PART_MAX = 512 << 10, ASSIGNMENTS_MAX = 32 };
 
 static double monotonic(void)
@@ -141,17 +137,10 @@ static enum scree_status do_check(struct daemon *daemon, const cJSON *body, cons
     enum scree_status status = read_spec(body, &spec, err);
     if (status)
         return status;
-    struct job_cost cost = spec.scenario->cost(&spec);
-    cJSON *json = cJSON_CreateObject();
-    json_put_real(json, "moving", cost.moving);
-    json_put_real(json, "fixed", cost.fixed);
-    json_put_real(json, "steps", cost.steps);
-    json_put_real(json, "grain_steps", cost.moving * cost.steps);
-    json_put_real(json, "bytes", cost.bytes);
-    json_put_real(json, "seconds", cost.moving * cost.steps / ASSUMED_RATE);
+    const struct job_cost cost = job_cost(&spec);
     *result = cJSON_CreateObject();
     json_put(*result, "spec", job_encode(&spec));
-    json_put(*result, "cost", json);
+    json_put(*result, "cost", job_cost_encode(&cost));
     return SCREE_OK;
 }
 

@@ -386,8 +386,7 @@ static enum scree_status make_study(struct studies *s, const cJSON *json, struct
 {
     enum scree_status status = study_decode(json, &study->plan, err);
     study->readable = true;
-    if (status || (status = study_plan_check(&study->plan, requests_memory(), NULL, err)) ||
-        (status = scree_job_check(&study->plan.base, err)))
+    if (status || (status = study_plan_check(&study->plan, requests_memory(), scree_job_check, NULL, err)))
         return status;
     if (study->plan.spec.at_once == 0)
         study->plan.spec.at_once = s->config->workers;

@@ -18,9 +18,6 @@
 
 enum { PART_MAX = 512 << 10, FILE_PATH_MAX = CONFIG_PATH_MAX + 64 };
 
-/* Grain-steps per second assumed by `check`, as for jobs. */
-#define ASSUMED_RATE 1e8
-
 bool study_request_is(const char *op, const cJSON *body)
 {
     const char *id = json_text(body, "job");
@@ -206,18 +203,10 @@ static enum scree_status do_check(struct daemon *daemon, const cJSON *body, cons
     struct study_plan plan;
     struct job_cost cost;
     enum scree_status status = study_decode(json_get(body, "spec"), &plan, err);
-    if (!status && !(status = study_plan_check(&plan, requests_memory(), &cost, err)) &&
-        !(status = scree_job_check(&plan.base, err))) {
-        cJSON *json = cJSON_CreateObject();
-        json_put_real(json, "moving", cost.moving);
-        json_put_real(json, "fixed", cost.fixed);
-        json_put_real(json, "steps", cost.steps);
-        json_put_real(json, "grain_steps", cost.moving * cost.steps);
-        json_put_real(json, "bytes", cost.bytes);
-        json_put_real(json, "seconds", cost.moving * cost.steps / ASSUMED_RATE);
+    if (!status && !(status = study_plan_check(&plan, requests_memory(), scree_job_check, &cost, err))) {
         *result = cJSON_CreateObject();
         json_put(*result, "spec", study_encode(&plan));
-        json_put(*result, "cost", json);
+        json_put(*result, "cost", job_cost_encode(&cost));
         json_put(*result, "trials", plan.trials ? json_real((double)plan.trials) : cJSON_CreateNull());
     }
     study_plan_free(&plan);

@@ -94,6 +94,37 @@ static struct job_cost dam_break_cost(const struct job_spec *job)
     return rigid_cost(job, (double)params_of(job)->count);
 }
 
+/* How far the gate is off the floor when the run ends, m; it speeds up until it has its speed. */
+static double gate_lift(const struct dam_break_params *p, double time_s)
+{
+    if (p->gate_m_s2 == 0)
+        return INFINITY; // it vanishes
+    double speeding = fmin(time_s, p->gate_m_s / p->gate_m_s2);
+    return speeding * (0.5 * p->gate_m_s2 * speeding) + (time_s - speeding) * p->gate_m_s;
+}
+
+/* A gate that stands too near the end of its box, or that opens no gap, lets nothing go. */
+static enum scree_status check_gate(const struct job_spec *job, struct scree_error *err)
+{
+    const struct dam_break_params *p = params_of(job);
+    char a[TEXT_REAL_MAX], b[TEXT_REAL_MAX];
+    const double across = 2 * body_reach(&p->body), thinnest = body_thinnest(&p->body);
+    const double gap = isfinite(thinnest) ? thinnest : p->body.shape == BODY_SPHERE ? across : 0; // that none is thinner than
+    const double lift = gate_lift(p, job->time.end_s - p->settle_s);
+    if (p->length_m - p->column_m < across)
+        return scree_fail(err, SCREE_INVALID, "params.column_m",
+                          "params.column_m: a column of %s m in a box of %s m leaves no room to run out to a body that is %.3g m "
+                          "across: at most %.3g m",
+                          text_real(p->column_m, a), text_real(p->length_m, b), across, p->length_m - across);
+    if (lift < gap)
+        return scree_fail(
+            err, SCREE_INVALID, "params.gate_m_s2",
+            "params.gate_m_s2: %s m/s2 lift the gate by %.3g m until the run ends, under which no body that is %.3g m "
+            "thin gets out",
+            text_real(p->gate_m_s2, a), lift, gap);
+    return SCREE_OK;
+}
+
 static enum scree_status dam_break_check(const struct job_spec *job, struct scree_error *err)
 {
     const struct dam_break_params *p = params_of(job);
@@ -105,7 +136,8 @@ static enum scree_status dam_break_check(const struct job_spec *job, struct scre
     if (p->settle_s >= job->time.end_s)
         return scree_fail(err, SCREE_INVALID, "params.settle_s", "params.settle_s: the gate goes at %s s, and the run ends at %s s",
                           text_real(p->settle_s, a), text_real(job->time.end_s, b));
-    return rigid_check(job, &p->body, p->column_m, p->width_m, "params.column_m", err);
+    enum scree_status status = rigid_check(job, &p->body, p->column_m, p->width_m, "params.column_m", err);
+    return status ? status : check_gate(job, err);
 }
 
 const struct scenario_fields scenario_dam_break_fields = {

@@ -291,8 +291,7 @@ double body_volume(const struct body_spec *b)
     return 4 * M_PI / 3 * r * r * r;
 }
 
-/* What the crust must leave a core of; infinite where only the scenario knows, or where no core is needed. */
-static double body_thinnest(const struct body_spec *b)
+double body_thinnest(const struct body_spec *b)
 {
     switch ((enum body_shape)b->shape) {
     case BODY_CROSS:

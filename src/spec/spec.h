@@ -150,6 +150,9 @@ extern const struct field_table body_table;
 double body_reach(const struct body_spec *body);  // from the centre to the farthest point, m
 double body_volume(const struct body_spec *body); // for what a job costs: a tetrapod's is its legs', counted singly, m3
 
+/* What the crust must leave a core of, m; infinite where only the scenario knows, or where no core is needed. */
+double body_thinnest(const struct body_spec *body);
+
 struct job_spec;
 /* Refuses steps too long for contacts between bodies of that mass, kg. */
 enum scree_status rigid_step_check(const struct job_spec *job, double mass, struct scree_error *err);
@@ -281,7 +284,10 @@ struct job_cost {
     double moving, fixed; // grains
     double steps;
     double bytes;
+    double rate; // grain-steps a second of one core that estimates of time assume; set by job_cost
 };
+struct job_cost job_cost(const struct job_spec *job);
+double job_cost_seconds(const struct job_cost *cost);
 extern const struct scenario_fields *const scenario_list[];
 extern const size_t scenario_count;
 const struct scenario_fields *scenario_find(const char *name);

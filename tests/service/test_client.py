@@ -294,7 +294,8 @@ class NoDaemon(Client):
 
 class PrivateRun(Client):
     def test_bodies_that_are_none_are_refused_before_they_are_queued(self):
-        """What only geometry tells, by field: a job and a study of it."""
+        """What only geometry tells, by field: a job, a study of it, and one of whose trials only the last is none."""
+        cube = "0 0 0, 0.02 0 0, 0 0.02 0, 0.02 0.02 0, 0 0 0.02, 0.02 0 0.02, 0 0.02 0.02, 0.02 0.02 0.02"
         dent = "0 0 0, 0.02 0 0, 0 0.02 0, 0 0 0.02, 0.004 0.004 0.004"
         flat = "0 0 0, 0.02 0 0, 0 0.02 0, 0.02 0.02 0"
         apart = "0 0 0, 0.02 0 0, 0 0.02 0, 0 0 0.02; 0.1 0 0, 0.12 0 0, 0.1 0.02 0, 0.1 0 0.02"
@@ -304,6 +305,9 @@ class PrivateRun(Client):
                    "material": {"stiffness_N_m": 1e7}, "time": {"step_s": 1e-6, "end_s": 1e-3}}
             for spec in job, {"study": "sweep", "job": job, "grid": {"seed": [1, 2]}}:
                 self.refused(self.scree("run", self.spec(spec)), "params.body.points_m", words)
+            good = {**job, "params": {**job["params"], "body": {"shape": "hulls", "points_m": cube}}}
+            spec = {"study": "sweep", "job": good, "grid": {"params.body.points_m": [cube, cube, points]}}
+            self.refused(self.scree("run", self.spec(spec)), "trial 2: params.body.points_m", words)
         self.nothing_left()
 
     def test_runs_fetches_and_leaves_nothing_else(self):

@@ -119,6 +119,32 @@ static void poured_bodies_are_apart(void **state)
     convex_free(world);
 }
 
+/* A column no longer than its bodies: whatever they are, the gate and the walls meet none of them. */
+static void poured_bodies_stand_behind_the_gate(void **state)
+{
+    (void)state;
+    for (int shape = BODY_CROSS; shape <= BODY_SPHERES; shape++) {
+        job_defaults(&job, &scenario_dam_break_fields);
+        struct dam_break_params *p = (struct dam_break_params *)(void *)job.params;
+        p->count = 12;
+        p->body.shape = shape;
+        p->body.radius_m = 0.004;
+        snprintf(p->body.points_m, sizeof p->body.points_m, "%s", shape == BODY_HULLS ? CUBE : "0 0 0 0.006, 0.008 0 0 0.004");
+        job.time.step_s = 1e-6;
+        p->column_m = p->width_m = 2 * body_reach(&p->body) + 1e-6;
+        if (job_check(&job, 0, &error))
+            fail_msg("shape %d: %s", shape, error.message);
+        rigid_plan_free(&plan);
+        struct convex *world = NULL;
+        assert_int_equal(rigid_scenario_find("dam_break")->plan(&job, &plan, &error), SCREE_OK);
+        assert_int_equal(convex_create(&plan.setup, &world, &error), SCREE_OK);
+        struct convex_sums sums = convex_sums(world);
+        if (sums.contacts + sums.contacts_wall > 0)
+            fail_msg("shape %d: %zu contacts, %zu with walls", shape, sums.contacts, sums.contacts_wall);
+        convex_free(world);
+    }
+}
+
 /* Composites step to the same bits on every instruction set, and on from an image; a cross takes less than 8 kB. */
 static void no_instruction_set_shows(void **state)
 {
@@ -197,9 +223,13 @@ static int clean_up(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(shapes_weigh_what_they_must), cmocka_unit_test(glued_spheres_share_a_lens),
-        cmocka_unit_test(bad_shapes_are_refused),      cmocka_unit_test(poured_bodies_are_apart),
-        cmocka_unit_test(no_instruction_set_shows),    cmocka_unit_test(network_on_a_made_up_view),
+        cmocka_unit_test(shapes_weigh_what_they_must),
+        cmocka_unit_test(glued_spheres_share_a_lens),
+        cmocka_unit_test(bad_shapes_are_refused),
+        cmocka_unit_test(poured_bodies_are_apart),
+        cmocka_unit_test(poured_bodies_stand_behind_the_gate),
+        cmocka_unit_test(no_instruction_set_shows),
+        cmocka_unit_test(network_on_a_made_up_view),
     };
     return cmocka_run_group_tests(tests, NULL, clean_up);
 }

@@ -3,7 +3,9 @@
 #include "unit.h"
 
 #include <math.h>
+#include <stdio.h>
 
+#include "base/text.h"
 #include "spec/scenarios.h"
 
 static void refused(const struct job_spec *job, const char *path, const char *message)
@@ -48,14 +50,68 @@ static void gate_that_never_goes(void **state)
     refused(&job, "params.settle_s", "params.settle_s: the gate goes at 5 s, and the run ends at 4 s");
 }
 
+/* A box that ends where the gate stands: at most a body less is left for the column. */
+static void gate_without_room_behind_it(void **state)
+{
+    (void)state;
+    struct job_spec job;
+    struct dam_break_params *p = dam(&job);
+    p->column_m = 0.62;
+    refused(
+        &job, "params.column_m",
+        "params.column_m: a column of 0.62 m in a box of 0.64 m leaves no room to run out to a body that is 0.0272 m across: at "
+        "most 0.613 m");
+    p->column_m = 0.61;
+    assert_int_equal(job_check(&job, 0, NULL), SCREE_OK);
+}
+
+/* 0.5 g t^2 / 2 within the 2.5 s that are left, and no faster than its speed. */
+static void gate_that_opens_no_gap(void **state)
+{
+    (void)state;
+    struct job_spec job;
+    struct dam_break_params *p = dam(&job);
+    p->gate_m_s2 = 5e-4;
+    refused(&job, "params.gate_m_s2",
+            "params.gate_m_s2: 0.0005 m/s2 lift the gate by 0.00156 m until the run ends, under which no body that is 0.002 m thin "
+            "gets out");
+    p->gate_m_s2 = 7e-4; // 2.2 mm
+    assert_int_equal(job_check(&job, 0, NULL), SCREE_OK);
+    p->gate_m_s = 7e-4; // 0.35 mm while it speeds up, 1.05 mm after that
+    refused(&job, "params.gate_m_s2",
+            "params.gate_m_s2: 0.0007 m/s2 lift the gate by 0.0014 m until the run ends, under which no body that is 0.002 m thin "
+            "gets out");
+    p->gate_m_s2 = 0; // it vanishes
+    assert_int_equal(job_check(&job, 0, NULL), SCREE_OK);
+    p->body.shape = BODY_SPHERE;
+    p->body.radius_m = 2e-3;
+    job.time.step_s = 1e-6;
+    p->gate_m_s2 = 1e-3; // 3.1 mm, and they are 4 mm
+    p->gate_m_s = 1;
+    refused(&job, "params.gate_m_s2",
+            "params.gate_m_s2: 0.001 m/s2 lift the gate by 0.00313 m until the run ends, under which no body that is 0.004 m thin "
+            "gets out");
+}
+
+/* Between gate and back wall, and between the sides. */
 static void body_wider_than_its_column(void **state)
 {
     (void)state;
     struct job_spec job;
-    dam(&job)->column_m = 0.0125;
-    struct scree_error err = {0};
-    assert_int_equal(job_check(&job, 0, &err), SCREE_INVALID);
-    assert_string_equal(err.path, "params.column_m");
+    struct dam_break_params *p = dam(&job);
+    char message[200], across[TEXT_REAL_MAX];
+    text_real(2 * body_reach(&p->body), across);
+    p->column_m = 0.027;
+    snprintf(message, sizeof message, "params.column_m: 0.027 m do not hold a body that is %s m across, whatever way it is turned",
+             across);
+    refused(&job, "params.column_m", message);
+    p->column_m = 0.05;
+    p->width_m = 0.0271;
+    snprintf(message, sizeof message, "params.width_m: 0.0271 m do not hold a body that is %s m across, whatever way it is turned",
+             across);
+    refused(&job, "params.width_m", message);
+    p->width_m = 0.0273;
+    assert_int_equal(job_check(&job, 0, NULL), SCREE_OK);
 }
 
 static void crust_without_a_core(void **state)
@@ -138,6 +194,8 @@ int main(void)
         cmocka_unit_test(defaults_are_those_of_the_paper),
         cmocka_unit_test(gate_outside_the_box),
         cmocka_unit_test(gate_that_never_goes),
+        cmocka_unit_test(gate_without_room_behind_it),
+        cmocka_unit_test(gate_that_opens_no_gap),
         cmocka_unit_test(body_wider_than_its_column),
         cmocka_unit_test(crust_without_a_core),
         cmocka_unit_test(step_too_long_for_a_contact),

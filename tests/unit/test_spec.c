@@ -319,6 +319,24 @@ static void cost_counts_grains_and_steps(void **state)
     assert_true(cost.moving == 1 && cost.fixed == 0);
 }
 
+/* Estimates of time are of the order of what was measured (tests/results): grain-steps a second of one core. */
+static void cost_assumes_a_rate_of_each_kind(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *scenario;
+        double rate;
+    } kinds[] = {{"incline", 1e8}, {"channel", 1e8}, {"chute", 1e7},    {"dam_break", 1e6}, {"hopper", 1e6},
+                 {"settle", 1e6},  {"tilt", 2e6},    {"collapse", 2e6}, {"layer", 2e6}};
+    for (size_t k = 0; k < COUNT(kinds); k++) {
+        struct job_spec job;
+        job_defaults(&job, scenario_find(kinds[k].scenario));
+        const struct job_cost cost = job_cost(&job), plain = job.scenario->cost(&job);
+        assert_true(cost.rate == kinds[k].rate && cost.moving == plain.moving && cost.steps == plain.steps);
+        assert_true(job_cost_seconds(&cost) == plain.moving * plain.steps / kinds[k].rate && plain.moving > 0);
+    }
+}
+
 /* ---- materials ---- */
 
 /* Contact times of two free beads against numbers of the paper's equations by
@@ -444,6 +462,7 @@ int main(void)
         cmocka_unit_test(a_tiny_domain_is_explained),
         cmocka_unit_test(scenarios_check_their_own_rules),
         cmocka_unit_test(cost_counts_grains_and_steps),
+        cmocka_unit_test(cost_assumes_a_rate_of_each_kind),
         cmocka_unit_test(contact_time_matches_the_paper),
         cmocka_unit_test(material_constants_are_those_of_the_paper),
         cmocka_unit_test(the_step_is_bounded_by_the_stiffness),
