@@ -173,7 +173,9 @@ static void title_aside(const struct plot_views *v, const struct scales *s, size
         fprintf(v->script, "set title '%.3g s", v->time[row]);
     if (isfinite(s->tau_s))
         fprintf(v->script, ", %.2g sqrt(H0 / g)", fabs(after) / s->tau_s);
-    fprintf(v->script, "%s%s'\n", *marked ? "; " : "", marked);
+    if (*marked) // on a line of its own: both are wider than the panel
+        fprintf(v->script, "'.\"\\n\".'%s", marked);
+    fprintf(v->script, "'\n");
 }
 
 static void title_above(const struct plot_views *v, const struct scales *s, size_t row, const char *marked)

@@ -108,8 +108,7 @@ static enum scree_status check_gate(const struct job_spec *job, struct scree_err
 {
     const struct dam_break_params *p = params_of(job);
     char a[TEXT_REAL_MAX], b[TEXT_REAL_MAX];
-    const double across = 2 * body_reach(&p->body), thinnest = body_thinnest(&p->body);
-    const double gap = isfinite(thinnest) ? thinnest : p->body.shape == BODY_SPHERE ? across : 0; // that none is thinner than
+    const double across = 2 * body_reach(&p->body), gap = body_gap(&p->body);
     const double lift = gate_lift(p, job->time.end_s - p->settle_s);
     if (p->length_m - p->column_m < across)
         return scree_fail(err, SCREE_INVALID, "params.column_m",

@@ -100,6 +100,10 @@ static enum scree_status hopper_check(const struct job_spec *job, struct scree_e
     if (p->hole_m >= p->side_m)
         return scree_fail(err, SCREE_INVALID, "params.hole_m", "params.hole_m: a hole of %s m leaves no bottom to a hopper of %s m",
                           text_real(p->hole_m, a), text_real(p->side_m, b));
+    if (p->hole_m < body_gap(&p->body))
+        return scree_fail(err, SCREE_INVALID, "params.hole_m",
+                          "params.hole_m: a body that is %s m thick does not get through a hole of %s m",
+                          text_real(body_gap(&p->body), a), text_real(p->hole_m, b));
     if (p->height_m < across)
         return scree_fail(err, SCREE_INVALID, "params.height_m",
                           "params.height_m: a body that is %s m across does not get out of a hopper %s m over the floor",

@@ -310,6 +310,12 @@ double body_thinnest(const struct body_spec *b)
     return INFINITY;
 }
 
+double body_gap(const struct body_spec *b)
+{
+    double thinnest = body_thinnest(b);
+    return isfinite(thinnest) ? thinnest : b->shape == BODY_SPHERE ? 2 * body_reach(b) : 0;
+}
+
 /* ---- what their scenarios share ---- */
 
 void rigid_defaults(struct job_spec *job)

@@ -152,6 +152,8 @@ double body_volume(const struct body_spec *body); // for what a job costs: a tet
 
 /* What the crust must leave a core of, m; infinite where only the scenario knows, or where no core is needed. */
 double body_thinnest(const struct body_spec *body);
+/* No narrower gap lets it through, m; 0: that is not known. */
+double body_gap(const struct body_spec *body);
 
 struct job_spec;
 /* Refuses steps too long for contacts between bodies of that mass, kg. */

@@ -164,6 +164,8 @@ static void hopper_that_does_not_let_go(void **state)
     struct hopper_params *p = (struct hopper_params *)(void *)job.params, good = *p;
     p->hole_m = 0.05;
     refused(&job, "params.hole_m", "params.hole_m: a hole of 0.05 m leaves no bottom to a hopper of 0.05 m");
+    p->hole_m = 0.0019;
+    refused(&job, "params.hole_m", "params.hole_m: a body that is 0.002 m thick does not get through a hole of 0.0019 m");
     *p = good;
     p->side_m = 0.4;
     refused(&job, "params.side_m", "params.side_m: a hopper of 0.4 m is wider than its floor of 0.3 m");
