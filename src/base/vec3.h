@@ -39,6 +39,11 @@ static inline double vec3_dot(struct vec3 a, struct vec3 b)
 {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
+/* Square of the length of three doubles. */
+static inline double vec3_square(const double *a)
+{
+    return a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
+}
 static inline struct vec3 vec3_cross(struct vec3 a, struct vec3 b)
 {
     return (struct vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};

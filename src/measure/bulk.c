@@ -7,6 +7,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "base/vec3.h"
 #include "measure/measure.h"
 #include "measure/window.h"
 
@@ -16,11 +17,6 @@ static const struct scree_column bulk_columns[BULK_COLUMNS] = {
 };
 static const struct scree_stream bulk_stream = {
     "bulk", "energies, centre of mass and momentum of the moving grains that are measured", bulk_columns, BULK_COLUMNS, false};
-
-static double square(const double a[3])
-{
-    return a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
-}
 
 void bulk_measure(const struct view *view, struct bulk *out)
 {
@@ -43,8 +39,8 @@ void bulk_measure_within(const struct view *view, const double region[2], struct
         out->grains++;
         const double *v = view->velocity[i], *w = view->spin[i], r = view->position[i][3];
         if (!view->bodies) {
-            translation += 0.5 * v[3] * square(v);
-            out->rotation += 0.5 * w[3] * square(w);
+            translation += 0.5 * v[3] * vec3_square(v);
+            out->rotation += 0.5 * w[3] * vec3_square(w);
         }
         for (int a = 0; a < 3; a++)
             out->momentum[a] += v[3] * v[a];
@@ -56,7 +52,7 @@ void bulk_measure_within(const struct view *view, const double region[2], struct
         out->volume = 0;
     for (size_t k = 0; k < view->bodies; k++) {
         const struct view_body *b = &view->body[k];
-        translation += 0.5 * b->mass * square(b->velocity);
+        translation += 0.5 * b->mass * vec3_square(b->velocity);
         out->rotation += 0.5 * (b->spin[0] * b->momentum[0] + b->spin[1] * b->momentum[1] + b->spin[2] * b->momentum[2]);
         out->volume += b->volume;
     }

@@ -15,6 +15,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "base/vec3.h"
 #include "measure/measure.h"
 #include "measure/packing.h"
 #include "measure/pile.h"
@@ -65,11 +66,6 @@ struct state {
     struct series series[STREAMS];
     struct measure_buffer start; // x, z of every body when the gate went
 };
-
-static double speed_of(const struct view_body *b)
-{
-    return sqrt(b->velocity[0] * b->velocity[0] + b->velocity[1] * b->velocity[1] + b->velocity[2] * b->velocity[2]);
-}
 
 static enum scree_status start(void *state, const struct measure_context *context, struct scree_error *err)
 {
@@ -146,7 +142,7 @@ static enum scree_status sample(void *state, struct measure_context *context, co
     for (size_t k = 0; k < view->bodies; k++) {
         const struct view_body *b = &view->body[k];
         mass += b->mass;
-        row[1] += speed_of(b) / (double)view->bodies;
+        row[1] += sqrt(vec3_square(b->velocity)) / (double)view->bodies;
         row[3] += b->mass * b->position[0];
         row[4] += b->mass * b->position[2];
         if (b->position[0] < 0.5 * column_length(context))

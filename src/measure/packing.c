@@ -6,6 +6,8 @@
 #include <math.h>
 #include <stdbool.h>
 
+#include "base/vec3.h"
+
 static bool in_region(int region, const double at[3], double length, double height)
 {
     return region == 0 || (at[0] > 0.5 * length && (region == 1 || at[2] > 0.5 * height));
@@ -13,7 +15,7 @@ static bool in_region(int region, const double at[3], double length, double heig
 
 static double magnitude(const double v[3])
 {
-    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    return sqrt(vec3_square(v));
 }
 
 static void count_wall(const struct view_contact *c, struct packing_region *r)

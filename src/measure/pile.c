@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "base/vec3.h"
 #include "measure/measure.h"
 #include "measure/raster.h"
 
@@ -81,9 +82,7 @@ static void sum_up(const struct view *view, struct pile *out)
     for (size_t k = 0; k < view->bodies; k++) {
         const struct view_body *b = &view->body[k];
         mass += b->mass;
-        out->speed_mean +=
-            sqrt(b->velocity[0] * b->velocity[0] + b->velocity[1] * b->velocity[1] + b->velocity[2] * b->velocity[2]) /
-            (double)view->bodies;
+        out->speed_mean += sqrt(vec3_square(b->velocity)) / (double)view->bodies;
         for (int a = 0; a < 3; a++)
             out->centre[a] += b->mass * b->position[a];
     }

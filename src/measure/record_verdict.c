@@ -3,6 +3,7 @@
  * interval of their own, so that neither depends on what a job records, and how often. */
 #include <math.h>
 
+#include "base/vec3.h"
 #include "measure/measure.h"
 
 #define INTERVAL 1e-3 // s, a fourteenth of sqrt(d / g) for d = 2 mm
@@ -10,11 +11,6 @@
 static bool wanted(const struct measure_context *context)
 {
     return context->site.area > 0 || context->job->record.bulk.on;
-}
-
-static double square(const double a[3])
-{
-    return a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
 }
 
 /* Energy that nothing supplied: the time step no longer follows the contacts. */
@@ -28,7 +24,7 @@ static enum scree_status look_for_explosion(const struct measure_context *contex
     size_t fastest = 0;
     double most = -1;
     for (size_t i = 0; i < view->moving; i++) {
-        double speed2 = square(view->velocity[i]);
+        double speed2 = vec3_square(view->velocity[i]);
         if (!(speed2 <= most)) {
             most = speed2;
             fastest = i;

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
+#include "base/vec3.h"
 #include "measure/measure.h"
 #include "measure/raster.h"
 
@@ -39,11 +40,10 @@ static size_t covered(const struct raster *r)
 static void row_of(const struct view *view, const struct raster *r, size_t k, int axis, double row[COLUMNS])
 {
     const struct view_body *b = &view->body[r->body[k]];
-    const double *v = b->velocity;
     row[0] = ((double)(k / r->lines) + 0.5) * r->pixel;
     row[1] = ((double)(k % r->lines) + 0.5) * r->pixel;
     row[2] = b->position[axis];
-    row[3] = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    row[3] = sqrt(vec3_square(b->velocity));
 }
 
 /* `axis` is the one that is looked along. */

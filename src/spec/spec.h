@@ -171,7 +171,12 @@ enum scree_status body_points(const struct body_spec *body, struct body_points *
 struct time_spec {
     double step_s, end_s;
 };
-enum stop_when { STOP_REST = 1 << 0, STOP_STEADY = 1 << 1, STOP_ACCELERATING = 1 << 2, STOP_ANY = 7 };
+enum stop_when {
+    STOP_REST = 1 << 0,
+    STOP_STEADY = 1 << 1,
+    STOP_ACCELERATING = 1 << 2,
+    STOP_ANY = STOP_REST | STOP_STEADY | STOP_ACCELERATING
+};
 struct stop_spec {
     unsigned when; // bits of enum stop_when; 0 runs to time.end_s
 };

@@ -78,8 +78,7 @@ static const struct field bisect_fields[] = {
      .preset = 0,
      .unit = "s",
      .doc = "an undecided trial goes on to this end (run again, twice as long each time, where trials do not stop at every "
-            "verdict); 0: four "
-            "times time.end_s",
+            "verdict); 0: four times time.end_s",
      .source = "protocols 1.13"},
     {.name = "undecided",
      .type = FIELD_ENUM,

@@ -5,6 +5,8 @@
 
 #include "unit.h"
 
+#include <stdio.h>
+
 #include "scree.h"
 
 struct summary {
@@ -13,6 +15,7 @@ struct summary {
     enum scree_verdict verdict;
     double time_s;
     uint64_t steps;
+    char evidence[256];
 };
 
 /* Checks and runs a job; what it records goes to `sink`. Any failure fails the test. */
@@ -28,6 +31,7 @@ static inline struct summary run(const struct job_spec *job, const struct scree_
     out.verdict = progress.verdict;
     out.time_s = progress.time_s;
     out.steps = progress.step;
+    snprintf(out.evidence, sizeof out.evidence, "%s", progress.evidence);
     out.count = scree_world_summary(world, out.numbers);
     scree_world_free(world);
     return out;
