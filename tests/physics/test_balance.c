@@ -1,25 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Balances of whole worlds: momentum against the force on the base, angular
  * momentum, energy, images of a periodic box, lists against brute force. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
+#include "engine.h"
 
 #include "base/rng.h"
-#include "dem/dem.h"
 #include "measure/bulk.h"
 #include "scenario/scenario.h"
-
-static void must(enum scree_status status, const struct scree_error *error)
-{
-    if (status)
-        fail_msg("%s", error->message);
-}
 
 static struct job_spec flow(int64_t n, int64_t nz, double slope_deg, double step_s)
 {
@@ -40,20 +26,6 @@ static struct dem *build(const struct job_spec *job)
     must(job_check(job, 0, &error), &error);
     must(scenario_implementation("incline")->build(job, NULL, 1, &dem, &error), &error);
     return dem;
-}
-
-static void advance(struct dem *dem, uint64_t steps)
-{
-    struct scree_error error = {0};
-    must(dem_advance(dem, steps, &error), &error);
-}
-
-static struct view look(struct dem *dem)
-{
-    struct scree_error error = {0};
-    struct view view;
-    must(dem_view(dem, &view, &error), &error);
-    return view;
 }
 
 /* F_base + weight = dP/dt at every step, to rounding: velocities at whole steps

@@ -2,42 +2,14 @@
 /* Rigid bodies of spheres in the engine: free flight, conservation in a
  * collision, rest on a plane, the energy ledger, and the same bits on any
  * threads, instruction set and slice. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
+#include "engine.h"
 
 #include "base/cpu.h"
 #include "base/memory.h"
 #include "base/rng.h"
-#include "dem/dem.h"
 #include "dem/image.h"
 #include "dem/law.h"
 #include "measure/bulk.h"
-
-static void must(enum scree_status status, const struct scree_error *error)
-{
-    if (status)
-        fail_msg("%s", error->message);
-}
-
-static struct view look(struct dem *dem)
-{
-    struct scree_error error = {0};
-    struct view view;
-    must(dem_view(dem, &view, &error), &error);
-    return view;
-}
-
-static void advance(struct dem *dem, uint64_t steps)
-{
-    struct scree_error error = {0};
-    must(dem_advance(dem, steps, &error), &error);
-}
 
 /* Cube, half and quarter of edge a, spheres of a / 4. */
 static void make_shapes(double a, struct clump shapes[3])

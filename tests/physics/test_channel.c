@@ -17,12 +17,6 @@
 static const struct law *const law = &law_hertz_rolling;
 static const double step = 2.5e-7;
 
-static void near(double value, double expect, double tolerance)
-{
-    if (!(fabs(value - expect) <= tolerance))
-        fail_msg("%.17g is not %.17g +- %.3g", value, expect, tolerance);
-}
-
 static struct material_spec glass(void)
 {
     return material_preset_find("glass-beads-2mm")->values;

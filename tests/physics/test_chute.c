@@ -2,26 +2,13 @@
 /* Scenario `chute` of seed 003: counts, initial compaction, refusals (targets
  * S3-01, S3-02), its measurements on deposits made by hand (S3-04's unit, S3-12),
  * and a small flow through the whole engine. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
+#include "engine.h"
 
 #include "measure/bulk.h"
 #include "measure/mobility.h"
 #include "measure/outline.h"
 #include "scenario/fragments.h"
 #include "scenario/scenario.h"
-
-static void must(enum scree_status status, const struct scree_error *error)
-{
-    if (status)
-        fail_msg("%s", error->message);
-}
 
 static struct job_spec chute_job(double mass_g, double size_m)
 {
@@ -198,7 +185,7 @@ static void a_clast_of_ones_own_can_be_the_published_cube(void **state)
     struct dem *dem = NULL;
     struct scree_error error = {0};
     must(scenario_implementation("chute")->build(&job, NULL, 1, &dem, &error), &error);
-    must(dem_advance(dem, 100, &error), &error);
+    advance(dem, 100);
     dem_free(dem);
 }
 
@@ -418,7 +405,7 @@ static void a_small_flow_runs_and_its_budget_closes(void **state)
     job.record.energy.on = true;
     must(job_check(&job, 0, &error), &error);
     must(scenario_implementation("chute")->build(&job, NULL, 1, &dem, &error), &error);
-    must(dem_advance(dem, (uint64_t)(0.7 / job.time.step_s), &error), &error);
+    advance(dem, (uint64_t)(0.7 / job.time.step_s));
     struct view view;
     struct bulk bulk;
     must(dem_view(dem, &view, &error), &error);

@@ -2,29 +2,9 @@
 /* What the engine reports of contacts: each is logged once, with the relative
  * velocity of closed forms, the same on any number of threads; the network's
  * forces on a grain are what accelerates it. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
+#include "engine.h"
 
-#include "dem/dem.h"
 #include "scenario/scenario.h"
-
-static void must(enum scree_status status, const struct scree_error *error)
-{
-    if (status)
-        fail_msg("%s", error->message);
-}
-
-static void near(double value, double expect, double tolerance)
-{
-    if (!(fabs(value - expect) <= tolerance))
-        fail_msg("%.12g is not %.12g +- %.3g", value, expect, tolerance);
-}
 
 static struct dem *two(struct dem_grain grains[2], const struct material_spec *material, double length)
 {
@@ -53,8 +33,7 @@ static void a_meeting_is_logged_once_with_its_velocities(void **state)
     size_t seen = 0;
     for (int step = 0; step < 400; step++) {
         const struct view_formation *f = NULL;
-        struct scree_error error = {0};
-        must(dem_advance(dem, 1, &error), &error);
+        advance(dem, 1);
         size_t count = dem_take_formations(dem, &f);
         if (count == 0)
             continue;
@@ -90,8 +69,7 @@ static void a_second_meeting_is_a_new_one(void **state)
     int seen = 0;
     for (int step = 0; step < 8000 && seen < 4; step++) {
         const struct view_formation *f = NULL;
-        struct scree_error error = {0};
-        must(dem_advance(dem, 1, &error), &error);
+        advance(dem, 1);
         if (dem_take_formations(dem, &f) == 0)
             continue;
         at[seen++] = f->time_s;
@@ -122,14 +100,6 @@ static struct dem *flow(int threads, double slope_deg)
     return dem;
 }
 
-static struct view look(struct dem *dem)
-{
-    struct scree_error error = {0};
-    struct view view;
-    must(dem_view(dem, &view, &error), &error);
-    return view;
-}
-
 enum { KEPT = 200000 };
 static struct view_formation logs[2][KEPT];
 
@@ -140,8 +110,7 @@ static size_t log_of(int threads, uint64_t slice, struct view_formation *log)
     size_t count = 0;
     for (uint64_t step = 0; step < 80000; step += slice) {
         const struct view_formation *f = NULL;
-        struct scree_error error = {0};
-        must(dem_advance(dem, slice, &error), &error);
+        advance(dem, slice);
         size_t more = dem_take_formations(dem, &f);
         assert_true(count + more <= KEPT);
         if (more > 0)
@@ -175,14 +144,13 @@ static void the_log_is_what_views_show(void **state)
     enum { GRAINS = 400, PAIRS = GRAINS * GRAINS };
     static uint8_t touched[2][PAIRS];
     struct dem *dem = flow(1, 25);
-    struct scree_error error = {0};
     size_t formed = 0;
     const struct view_formation *f = NULL;
-    must(dem_advance(dem, 60000, &error), &error);
+    advance(dem, 60000);
     for (int step = 0; step < 3000; step++) {
         uint8_t *now = touched[step % 2], *before = touched[1 - step % 2];
         size_t fresh = 0, count;
-        must(dem_advance(dem, 1, &error), &error);
+        advance(dem, 1);
         struct view view = look(dem);
         assert_true(view.moving + view.fixed <= GRAINS);
         memset(now, 0, PAIRS);
@@ -218,11 +186,10 @@ static void the_networks_forces_accelerate_each_grain(void **state)
     enum { GRAINS = 400 };
     static double force[2][GRAINS][3], velocity[GRAINS][3];
     struct dem *dem = flow(1, 25);
-    struct scree_error error = {0};
     double worst = 0, largest = 0;
-    must(dem_advance(dem, 60000, &error), &error);
+    advance(dem, 60000);
     for (int step = 0; step < 200; step++) {
-        must(dem_advance(dem, 1, &error), &error);
+        advance(dem, 1);
         struct view view = look(dem);
         double(*now)[3] = force[step % 2], (*then)[3] = force[1 - step % 2];
         memset(now, 0, sizeof force[0]);

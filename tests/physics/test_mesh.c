@@ -2,41 +2,13 @@
 /* Walls of triangles in the engine: as a plane where they are flat, each contact
  * once on faces, edges and corners, springs that slide from triangle to triangle,
  * the chute of seed 003 (targets S3-03), bits. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
+#include "engine.h"
 
 #include "base/cpu.h"
 #include "base/rng.h"
-#include "dem/dem.h"
 #include "dem/image.h"
 #include "dem/law.h"
 #include "geom/chute.h"
-
-static void must(enum scree_status status, const struct scree_error *error)
-{
-    if (status)
-        fail_msg("%s", error->message);
-}
-
-static struct view look(struct dem *dem)
-{
-    struct scree_error error = {0};
-    struct view view;
-    must(dem_view(dem, &view, &error), &error);
-    return view;
-}
-
-static void advance(struct dem *dem, uint64_t steps)
-{
-    struct scree_error error = {0};
-    must(dem_advance(dem, steps, &error), &error);
-}
 
 static struct trimesh *mesh_of(const double (*vertex)[3], size_t vertices, const uint32_t (*corner)[3], size_t triangles)
 {

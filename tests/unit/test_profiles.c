@@ -3,18 +3,10 @@
  * grains and impacts whose numbers are known (S0-08, 25, 26). */
 #include "unit.h"
 
-#include <math.h>
-
 #include "base/rng.h"
 #include "measure/connect.h"
 #include "measure/models.h"
 #include "measure/profiles.h"
-
-static void near(double value, double expect, double tolerance)
-{
-    if (!(fabs(value - expect) <= tolerance))
-        fail_msg("%.12g is not %.12g +- %.3g", value, expect, tolerance);
-}
 
 /* Everything is in a box of AREA with grains of diameter D. */
 #define D    2e-3

@@ -3,16 +3,8 @@
  * estimator of spectra against signals whose spectrum is known. */
 #include "unit.h"
 
-#include <math.h>
-
 #include "base/rng.h"
 #include "measure/spectrum.h"
-
-static void near(double value, double expect, double tolerance)
-{
-    if (!(fabs(value - expect) <= tolerance))
-        fail_msg("%.9g is not %.9g +- %.3g", value, expect, tolerance);
-}
 
 /* ---- theory ---- */
 
