@@ -1,32 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* `scree cancel`: stops jobs; what they have recorded stays. */
-#include <stdio.h>
-
-#include "link.h"
-#include "output.h"
+#include "steer.h"
 #include "verbs.h"
 
 static enum outcome cancel_run(const struct arguments *arguments)
 {
-    struct scree_error err = {.status = SCREE_OK};
-    struct link *link = NULL;
-    enum outcome outcome = link_open_for(arguments, &link, &err);
-    for (int k = 0; k < arguments->word_count && !outcome; k++) {
-        cJSON *result = NULL;
-        if ((outcome = link_job(link, "cancel", arguments->words[k], &result, &err)))
-            break;
-        const char *state = json_text(result, "state");
-        if (arguments->json) {
-            put_json_line(result);
-        } else {
-            printf("%s ", arguments->words[k]);
-            put_clean(stdout, state ? state : "?");
-            putchar('\n');
-        }
-        cJSON_Delete(result);
-    }
-    link_close(link);
-    return give_up(outcome, &err);
+    return steer_each(arguments, "cancel");
 }
 
 const struct verb verb_cancel = {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One steering command to the daemon, for `pause`, `resume`, `checkpoint`, `set` and `fork`. */
+/* One steering command to the daemon, for `cancel`, `pause`, `resume`, `checkpoint`, `set` and `fork`. */
 #ifndef SCREE_CLIENT_STEER_H
 #define SCREE_CLIENT_STEER_H
 
