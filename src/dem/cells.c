@@ -5,23 +5,13 @@
  * other side, and the pair notes by how many boxes its second grain is moved.
  * With one or two cells along an axis the same cell is met several times with
  * different images, which are different pairs, as they must be in a small box. */
+#include "dem/cells.h"
+
 #include <math.h>
 #include <stdlib.h>
 
 #include "base/memory.h"
 #include "dem/state.h"
-
-struct cells {
-    int count[3];
-    double low[3], inverse[3]; // cell = (x - low) * inverse
-    uint32_t *start;           // count + 1 entries
-    size_t start_room;
-    double (*point)[4]; // position inside the box and radius, sorted by cell
-    uint32_t *row;
-    int8_t (*image)[4]; // boxes to subtract from the row's position to get the point
-    uint32_t *cell;     // by row
-    size_t point_room, row_room, image_room, cell_room;
-};
 
 enum scree_status cells_create(struct cells **out, struct scree_error *err)
 {
@@ -81,6 +71,7 @@ static int whole_part(double value, int low, int high)
 enum scree_status cells_fill(struct cells *cells, const struct dem *dem, double width, struct scree_error *err)
 {
     size_t n = dem->grains;
+    cells->width = width;
     cells_layout(cells, dem, width);
     size_t total = (size_t)cells->count[0] * (size_t)cells->count[1] * (size_t)cells->count[2];
     enum scree_status status;

@@ -72,7 +72,8 @@ enum scree_status mesh_create(struct dem *dem, const struct dem_surface *surface
             return scree_fail(err, SCREE_INVALID, NULL, "walls of triangles do not stand in a periodic domain");
     struct mesh *mesh = dem->mesh = memory_rows(1, sizeof *mesh);
     if (!mesh || !(mesh->surface = memory_rows(count, sizeof *mesh->surface)) ||
-        !(mesh->part = memory_rows((size_t)dem->part_count, sizeof *mesh->part)))
+        !(mesh->part = memory_rows((size_t)dem->part_count, sizeof *mesh->part)) ||
+        !(mesh->asked = memory_rows(dem->moving, sizeof *mesh->asked)))
         return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for %zu walls of triangles", count);
     mesh->part_count = dem->part_count;
     for (size_t k = 0; k < count; k++) {
@@ -103,6 +104,7 @@ void mesh_free(struct mesh *mesh)
         free(p->ended);
     }
     free(mesh->part);
+    free(mesh->asked);
     free(mesh->surface);
     free(mesh);
 }
@@ -178,6 +180,7 @@ enum scree_status mesh_outer(struct dem *dem, struct part *part, double skin, st
         return SCREE_OK;
     struct mesh_part *p = &dem->mesh->part[part - dem->parts];
     p->outer_count = 0;
+    memcpy(dem->mesh->asked[part->from], dem->position[part->from], (part->to - part->from) * sizeof *dem->mesh->asked);
     for (size_t i = part->from; i < part->to; i++)
         for (size_t k = 0; k < dem->mesh->count; k++) {
             const struct surface *s = &dem->mesh->surface[k];

@@ -37,6 +37,7 @@ struct mesh {
     size_t count;
     struct mesh_part *part;
     int part_count;
+    double (*asked)[4]; // positions of rows when triangles were last listed
 };
 
 /* Copies the surfaces; dem->mesh stays NULL where there are none. */

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Pair lists at three levels, provably complete, which never change a result.
  *
- * The outer list holds pairs with a gap below the skin (rebuilt every thousand
- * steps or two). From it a refresh takes the near list, pairs that can touch within
- * some hundred steps, which own the contacts' memory; and from that the hot list,
- * pairs that can touch within some ten steps: those are what a step walks.
+ * The outer list holds pairs with a gap below the skin (rebuilt every few
+ * thousand steps, see spread.h). From it a refresh takes the near list, pairs that
+ * can touch within some hundred steps, which own the contacts' memory; and from
+ * that the hot list, pairs that can touch within some ten steps: those are what a
+ * step walks.
  *
  * Grains that touch nothing fly straight (but for gravity, common to all), so a
  * pair is taken if its straight paths bring it within reach up to the horizon,
@@ -22,6 +23,8 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "dem/mesh.h"
+#include "dem/spread.h"
 #include "dem/state.h"
 
 /* The share of the skin that a straight path may use up to the horizon. */
@@ -123,19 +126,29 @@ enum scree_status near_give(struct dem *dem, struct held_list *pairs, struct hel
 
 /* ---- the refresh ---- */
 
-/* Own grains' largest speed, and way since the outer lists were built. */
-static void measure_motion(const struct dem *dem, struct part *part)
+/* The largest way of own grains from where they were, m. */
+static double way_from(const struct dem *dem, const struct part *part, double (*from)[4])
 {
-    double speed2 = 0, way2 = 0;
+    double way2 = 0;
     for (size_t i = part->from; i < part->to; i++) {
-        const double *v = dem->velocity[i], *x = dem->position[i], *o = dem->position0[i];
-        double s = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+        const double *x = dem->position[i], *o = from[i];
         double d = (x[0] - o[0]) * (x[0] - o[0]) + (x[1] - o[1]) * (x[1] - o[1]) + (x[2] - o[2]) * (x[2] - o[2]);
-        speed2 = s > speed2 ? s : speed2;
         way2 = d > way2 ? d : way2;
     }
+    return sqrt(way2);
+}
+
+static void measure_motion(const struct dem *dem, struct part *part)
+{
+    double speed2 = 0;
+    for (size_t i = part->from; i < part->to; i++) {
+        const double *v = dem->velocity[i];
+        double s = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+        speed2 = s > speed2 ? s : speed2;
+    }
     part->fastest = sqrt(speed2);
-    part->displaced = sqrt(way2);
+    part->displaced = way_from(dem, part, dem->position0);
+    part->off_wall = dem->mesh ? way_from(dem, part, dem->mesh->asked) : 0;
 }
 
 /* A budget that was used up early was too small; a horizon reached with most of
@@ -165,16 +178,55 @@ static void skin_adapt(const struct dem *dem, struct near_plan *plan)
     plan->since = dem->step;
 }
 
-/* Straight paths are followed for as long as the outer list can vouch for. */
-static enum scree_status plan_horizon(struct dem *dem, double fastest, uint64_t *steps, struct scree_error *err)
+/* Steps, `target` at most, until something that goes `way` a step has gone `room`. */
+static uint64_t steps_within(double room, double way, uint64_t target)
 {
-    double room = PATH_SHARE * dem->plan.skin, way = fastest * dem->step_s;
-    if (!(way <= room))
+    double most = way > 0 ? floor(room / way) : 1e9;
+    return most < 1 ? 1 : most < (double)target ? (uint64_t)most : target;
+}
+
+/* Pairs: while no grain has gone half the skin, nothing needs to be known of how they go together. Then it does
+ * (spread.h): straight paths are followed for as long as the lists can vouch for. */
+static enum scree_status plan_pairs(struct dem *dem, double fastest, double displaced, double stray, struct scree_error *err)
+{
+    struct near_plan *plan = &dem->plan;
+    struct spread_bound bound;
+    double way = fastest * dem->step_s;
+    enum scree_status status;
+    plan->rebuild = plan->ask_walls = plan->stale;
+    plan->horizon = plan->target;
+    if (!(way <= PATH_SHARE * plan->skin))
         return scree_fail(err, SCREE_BLOWUP, NULL, "a grain moves %.3g m in step %llu, %.3g m/s", way,
                           (unsigned long long)dem->step, fastest);
-    double most = way > 0 ? floor(room / way) : 1e9;
-    *steps = most < (double)dem->plan.target ? (uint64_t)most : dem->plan.target;
+    if (!plan->stale) {
+        if (displaced + way * (double)plan->target + stray <= 0.5 * plan->skin)
+            return SCREE_OK;
+        if ((status = spread_measure(dem->spread, dem->cells, dem, plan->skin, &bound, err)))
+            return status;
+        plan->horizon = steps_within(2 * PATH_SHARE * plan->skin, bound.rate * dem->step_s, plan->target);
+        plan->rebuild = bound.moved + bound.rate * dem->step_s * (double)plan->horizon + 2 * stray > plan->skin;
+    }
+    if (!plan->rebuild)
+        return SCREE_OK;
+    skin_adapt(dem, plan);
+    plan->stale = false;
+    plan->rebuilds++;
+    if ((status = cells_fill(dem->cells, dem, 2 * dem->largest_radius + plan->skin, err)) ||
+        (status = spread_measure(dem->spread, dem->cells, dem, plan->skin, &bound, err)))
+        return status;
+    plan->horizon = steps_within(2 * PATH_SHARE * plan->skin, bound.rate * dem->step_s, plan->target);
     return SCREE_OK;
+}
+
+/* Walls of triangles stand still, so that a grain's own way counts. */
+static void plan_walls(struct dem *dem, double fastest, double off_wall, double stray)
+{
+    struct near_plan *plan = &dem->plan;
+    double way = fastest * dem->step_s;
+    plan->horizon = steps_within(0.5 * plan->skin, way, plan->horizon);
+    plan->ask_walls = plan->ask_walls || off_wall + way * (double)plan->horizon + stray > plan->wall_skin;
+    if (plan->ask_walls)
+        plan->wall_skin = plan->skin;
 }
 
 static enum scree_status near_room(struct near_list *near, size_t need, struct scree_error *err)
@@ -274,6 +326,23 @@ static enum scree_status part_refresh(struct dem *dem, struct part *part, uint64
     return SCREE_OK;
 }
 
+/* Member 0: which lists are to be made anew, and for how many steps. */
+static void plan_lists(struct dem *dem, struct part *first)
+{
+    struct near_plan *plan = &dem->plan;
+    double displaced = 0, off_wall = 0;
+    plan->fastest = 0;
+    for (int k = 0; k < dem->part_count; k++) {
+        plan->fastest = fmax(plan->fastest, dem->parts[k].fastest);
+        displaced = fmax(displaced, dem->parts[k].displaced);
+        off_wall = fmax(off_wall, dem->parts[k].off_wall);
+    }
+    plan->status = plan_pairs(dem, plan->fastest, displaced, first->stray, &first->error);
+    if (dem->mesh && !plan->status)
+        plan_walls(dem, plan->fastest, off_wall, first->stray);
+    plan->refreshes++;
+}
+
 void near_refresh(struct dem *dem, int member)
 {
     struct part *part = &dem->parts[member];
@@ -286,37 +355,20 @@ void near_refresh(struct dem *dem, int member)
     stray_adapt(dem, part);
     team_barrier(dem->team);
 
-    double fastest = 0, displaced = 0;
-    for (int k = 0; k < dem->part_count; k++) {
-        fastest = fmax(fastest, dem->parts[k].fastest);
-        displaced = fmax(displaced, dem->parts[k].displaced);
-    }
-    uint64_t horizon = 1;
+    if (member == 0)
+        plan_lists(dem, part);
+    team_barrier(dem->team);
     if (!part->status)
-        part->status = plan_horizon(dem, fastest, &horizon, &part->error);
-    double use = displaced + fastest * dem->step_s * (double)horizon + part->stray;
-    if (plan->stale || use > 0.5 * plan->skin) {
-        team_barrier(dem->team); // everybody has read plan->stale
-        if (member == 0) {
-            skin_adapt(dem, plan);
-            plan->status = cells_fill(dem->cells, dem, 2 * dem->largest_radius + plan->skin, &part->error);
-            plan->stale = false;
-            plan->rebuilds++;
-        }
-        team_barrier(dem->team);
-        if (!part->status)
-            part->status = plan->status; // member 0 has the message
-        if (!part->status)
-            part->status = cells_pairs(dem->cells, dem, part, plan->skin, &part->error);
-        if (!part->status)
-            part->status = mesh_outer(dem, part, plan->skin, &part->error);
+        part->status = plan->status; // member 0 has the message
+    if (!part->status && plan->rebuild) {
+        part->status = cells_pairs(dem->cells, dem, part, plan->skin, &part->error);
         memcpy(dem->position0[part->from], dem->position[part->from], (part->to - part->from) * sizeof *dem->position0);
     }
+    if (!part->status && plan->ask_walls)
+        part->status = mesh_outer(dem, part, plan->wall_skin, &part->error);
     if (!part->status)
-        part->status = part_refresh(dem, part, horizon, fastest, &part->error);
+        part->status = part_refresh(dem, part, plan->horizon, plan->fastest, &part->error);
     part->strayed = 0;
     part->age = 0;
-    part->horizon = horizon;
-    if (member == 0)
-        plan->refreshes++;
+    part->horizon = plan->horizon;
 }

@@ -80,32 +80,39 @@ struct part {
     size_t ended_count, ended_room;
     _Alignas(32) double strayed2[4]; // largest squared change of velocity since the refresh, by component, m2/s2
     double stray;                    // how far grains may leave their straight paths until the refresh, m; the same in every part
-    double strayed;            // bound on how far any grain of the world has left its straight path, m; the same in every part
-    uint64_t age;              // steps since the refresh; the same in every part
-    uint64_t horizon;          // steps that straight paths are followed for; the same in every part
-    double change;             // fastest change of velocity seen in the last interval, m/s
-    double speed;              // of the fastest grain of the world at the refresh, m/s
-    double fastest, displaced; // largest speed and largest way since the outer rebuild of own grains, m/s, m
-    size_t lost;               // first own row that blew up; `to`: none did
-    bool outside;              // an own grain has left the box by half its length along a periodic axis
+    double strayed;             // bound on how far any grain of the world has left its straight path, m; the same in every part
+    uint64_t age;               // steps since the refresh; the same in every part
+    uint64_t horizon;           // steps that straight paths are followed for; the same in every part
+    double change;              // fastest change of velocity seen in the last interval, m/s
+    double speed;               // of the fastest grain of the world at the refresh, m/s
+    double fastest;             // largest speed of own grains, m/s
+    double displaced, off_wall; // their largest way since pairs, and triangles, were listed, m
+    size_t lost;                // first own row that blew up; `to`: none did
+    bool outside;               // an own grain has left the box by half its length along a periodic axis
     enum scree_status status;
     struct scree_error error;
 };
 
 /* How the pair lists are kept; none of it can change a result. */
 struct near_plan {
-    double skin;              // outer lists hold pairs with a gap below this, m
-    double least;             // that it starts from, m
-    uint64_t since;           // step of the last rebuild
-    double stray;             // a grain may leave its straight path by this until the refresh, m
-    uint64_t target;          // steps between refreshes to aim at
-    bool stale;               // outer lists are to be rebuilt: positions were wrapped or rows reordered
-    enum scree_status status; // of the last filling of cells; written by member 0, read behind a barrier
+    double skin;      // outer lists hold pairs with a gap below this, m
+    double least;     // that it starts from, m
+    uint64_t since;   // step of the last rebuild
+    double stray;     // a grain may leave its straight path by this until the refresh, m
+    uint64_t target;  // steps between refreshes to aim at
+    bool stale;       // outer lists are to be rebuilt: positions were wrapped or rows reordered
+    double wall_skin; // as of the last listing of triangles, m
+    /* Written by member 0 at a refresh, read behind a barrier. */
+    bool rebuild, ask_walls; // pairs, triangles are to be listed anew
+    uint64_t horizon;        // steps that straight paths are followed for
+    double fastest;          // speed of the world's fastest grain, m/s
+    enum scree_status status;
     uint64_t refreshes, rebuilds;
     uint64_t near_pairs, outer_pairs; // summed over refreshes and rebuilds, for reports
 };
 
 struct cells;
+struct spread;
 struct bodies;
 struct mesh;
 struct dem;
@@ -174,6 +181,7 @@ struct dem {
     int part_count;
     struct near_plan plan;
     struct cells *cells;
+    struct spread *spread;
     struct dem_profile *profile; // NULL but for a benchmark
 
     double base_y[2];   // y of contacts whose force counts as force on the base, m: [from, to)

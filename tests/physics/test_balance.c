@@ -137,6 +137,25 @@ static void energy_ledger_closes(void **state)
     assert_true(residual[0] < 1e-3 && residual[1] < 1e-3);
 }
 
+/* Contacts by a search over all pairs and images; at a floor at floor_z, too. */
+static size_t contacts_of_all(const struct view *v, double floor_z)
+{
+    size_t count = 0, all = v->moving + v->fixed;
+    const int images_x = v->length[0] > 0 ? 2 : 0, images_y = v->length[1] > 0 ? 2 : 0;
+    for (size_t i = 0; i < v->moving; i++) {
+        for (size_t j = i + 1; j < all; j++)
+            for (int sx = -images_x; sx <= images_x; sx++)
+                for (int sy = -images_y; sy <= images_y; sy++) {
+                    double x = v->position[j][0] - v->position[i][0] + sx * v->length[0];
+                    double y = v->position[j][1] - v->position[i][1] + sy * v->length[1];
+                    double z = v->position[j][2] - v->position[i][2], r = v->position[i][3] + v->position[j][3];
+                    count += x * x + y * y + z * z <= r * r;
+                }
+        count += v->position[i][2] - v->position[i][3] <= floor_z;
+    }
+    return count;
+}
+
 /* Contacts found by the lists are those of a search over all pairs and images. */
 static void lists_find_every_contact(void **state)
 {
@@ -149,23 +168,55 @@ static void lists_find_every_contact(void **state)
         for (int look_at = 0; look_at < 600; look_at++) {
             advance(dem, 397);
             struct view v = look(dem);
-            size_t count = 0, all = v.moving + v.fixed;
-            for (size_t i = 0; i < v.moving; i++) {
-                for (size_t j = i + 1; j < all; j++)
-                    for (int sx = -2; sx <= 2; sx++)
-                        for (int sy = -2; sy <= 2; sy++) {
-                            double x = v.position[j][0] - v.position[i][0] + sx * v.length[0];
-                            double y = v.position[j][1] - v.position[i][1] + sy * v.length[1];
-                            double z = v.position[j][2] - v.position[i][2], r = v.position[i][3] + v.position[j][3];
-                            count += x * x + y * y + z * z <= r * r;
-                        }
-                count += v.position[i][2] - v.position[i][3] <= -2e-3; // the floor
-            }
+            size_t count = contacts_of_all(&v, -2e-3);
             assert_int_equal(count, v.contacts);
             seen += count;
         }
         print_message("%zu contacts seen\n", seen);
         assert_true(seen > 50);
+        dem_free(dem);
+    }
+}
+
+/* Swarms that fly as one, so that their lists last, and meet from afar: open, and round a periodic box. */
+static void lists_find_contacts_of_swarms_that_meet(void **state)
+{
+    (void)state;
+    enum { SIDE = 5, SWARMS = 3 };
+    static struct dem_grain grains[SWARMS * SIDE * SIDE * SIDE];
+    const double way[SWARMS][3] = {{2, 0.3, 0}, {-2, 0, 0.2}, {0, 0, -1.5}},
+                 start[SWARMS][3] = {{0, 0, 0}, {0.05, 0.002, 0}, {0.02, 0.004, 0.045}};
+    struct rng rng = rng_start(3, 1);
+    size_t n = 0;
+    for (int s = 0; s < SWARMS; s++)
+        for (int k = 0; k < SIDE * SIDE * SIDE; k++, n++) {
+            const int cell[3] = {k % SIDE, k / SIDE % SIDE, k / SIDE / SIDE};
+            grains[n] = (struct dem_grain){.radius = 1e-3, .density = 2500};
+            for (int a = 0; a < 3; a++) {
+                grains[n].position[a] = start[s][a] + 2.5e-3 * cell[a] + rng_uniform(&rng, 0, 4e-4);
+                grains[n].velocity[a] = way[s][a] + rng_uniform(&rng, -0.05, 0.05);
+            }
+        }
+    for (int periodic = 0; periodic < 2; periodic++) {
+        struct material_spec soft = material_preset_find("glass-beads-2mm")->values;
+        struct dem *dem = NULL;
+        struct scree_error error = {0};
+        soft.young_Pa /= 1000;
+        struct dem_setup setup = {
+            .step_s = 4e-6, .grains = grains, .grain_count = n, .material = soft, .floor_z = -INFINITY, .threads = 1};
+        setup.length[0] = setup.length[1] = periodic ? 0.08 : 0;
+        must(dem_create(&setup, &dem, &error), &error);
+        size_t seen = 0;
+        for (int look_at = 0; look_at < 700; look_at++) {
+            advance(dem, 17);
+            struct view v = look(dem);
+            size_t count = contacts_of_all(&v, -INFINITY);
+            assert_int_equal(count, v.contacts);
+            seen += count;
+        }
+        const struct dem_counts counts = dem_counts(dem);
+        print_message("%zu contacts seen, %llu rebuilds in %d steps\n", seen, (unsigned long long)counts.rebuilds, 700 * 17);
+        assert_true(seen > 1000);
         dem_free(dem);
     }
 }
@@ -282,6 +333,7 @@ int main(void)
         cmocka_unit_test(colliding_pair_keeps_momentum_and_angular_momentum),
         cmocka_unit_test(energy_ledger_closes),
         cmocka_unit_test(lists_find_every_contact),
+        cmocka_unit_test(lists_find_contacts_of_swarms_that_meet),
         cmocka_unit_test(periodic_images_do_not_matter),
         cmocka_unit_test(mean_normal_force_is_the_weight),
         cmocka_unit_test(base_is_rough_and_closed),
