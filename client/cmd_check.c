@@ -33,7 +33,7 @@ static enum outcome check_run(const struct arguments *arguments)
     if (!outcome) {
         struct job_cost cost = job_cost(&spec.job);
         if (spec.is_study)
-            study_plan_check(&spec.study, 0, NULL, &cost, &err);
+            study_plan_check(&spec.study, 0, NULL, NULL, &cost, &err);
         cJSON *resolved = spec.is_study ? study_encode(&spec.study) : job_encode(&spec.job);
         cJSON *line = arguments->json ? cJSON_CreateObject() : NULL;
         if (line) {

@@ -14,11 +14,15 @@ enum outcome submit_spec(struct link *link, const struct spec_file *spec, bool a
                          struct scree_error *err)
 {
     cJSON *body = cJSON_CreateObject(), *result = NULL;
-    if (body) {
+    enum outcome outcome = mesh_file_send(&spec->mesh, link, err);
+    if (!outcome && body) {
         json_put(body, "spec", cJSON_Duplicate(spec->json, true));
         json_put_bool(body, "again", again);
     }
-    enum outcome outcome = link_request(link, "submit", body, &result, err);
+    if (outcome)
+        cJSON_Delete(body);
+    else
+        outcome = link_request(link, "submit", body, &result, err);
     const char *id = outcome ? NULL : json_text(result, "job");
     if (outcome == OUTCOME_REFUSED) {
         struct scree_error plain = *err;
@@ -85,7 +89,8 @@ const struct verb verb_submit = {
     .help =
         "FILE is the JSON of a job or a study, \"-\" is stdin. All files are checked before the first is submitted; --set changes\n"
         "a value of each. A spec that the daemon has finished before is answered with the id of that job, unless\n"
-        "--again. Exit code 75: the queue is full, try again later.\n"
+        "--again. A mesh that a job names (params.mesh.file, seen from FILE's folder) is read and given to the daemon first.\n"
+        "Exit code 75: the queue is full, try again later.\n"
         "\n"
         "  scree submit job.json\n"
         "  scree wait $(scree submit a.json b.json)\n"

@@ -29,10 +29,12 @@ enum outcome spec_file_read(const char *path, const struct arguments *arguments,
         if ((status = job_json_set(out->json, arguments->options[k].value, err)))
             return blame("--set", status, err);
     }
-    out->is_study = study_is(out->json);
+    if (!status)
+        status = mesh_file_read(out->json, path, &out->mesh, err);
+    out->is_study = !status && study_is(out->json);
     if (!status && out->is_study) {
         if (!(status = study_decode(out->json, &out->study, err)))
-            status = study_plan_check(&out->study, memory_limit, NULL, NULL, err);
+            status = study_plan_check(&out->study, memory_limit, NULL, NULL, NULL, err);
         out->job = out->study.base;
     } else if (!status && !(status = job_decode(out->json, &out->job, err))) {
         status = job_check(&out->job, memory_limit, err);
@@ -43,6 +45,7 @@ enum outcome spec_file_read(const char *path, const struct arguments *arguments,
 void spec_file_free(struct spec_file *file)
 {
     study_plan_free(&file->study);
+    mesh_file_free(&file->mesh);
     cJSON_Delete(file->json);
     file->json = NULL;
 }

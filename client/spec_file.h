@@ -4,6 +4,7 @@
 #define SCREE_CLIENT_SPEC_FILE_H
 
 #include "cli.h"
+#include "mesh_file.h"
 #include "protocol/study_json.h"
 
 struct spec_file {
@@ -12,6 +13,7 @@ struct spec_file {
     bool is_study;
     struct job_spec job;     // of a study: the job that its trials start from
     struct study_plan study; // if it is one
+    struct mesh_file mesh;   // that it names by a file
 };
 
 /* Reads FILE ("-" is stdin), applies every --set of the command line, decodes

@@ -4,7 +4,7 @@
 # shellcheck shell=bash
 
 PACKAGES_BUILD=(gcc libc6-dev cmake ninja-build pkg-config
-    libzmq3-dev libcjson-dev libhdf5-dev libsqlite3-dev libfftw3-dev)
+    libzmq3-dev libsodium-dev libcjson-dev libhdf5-dev libsqlite3-dev libfftw3-dev)
 PACKAGES_TEST=(libcmocka-dev python3 python3-zmq python3-numpy python3-h5py clang-format gnuplot-nox)
 
 say() { printf '%s\n' "$*" >&2; }

@@ -46,11 +46,11 @@ void study_plan_free(struct study_plan *plan);
 /* The resolved study: every value spelled out, ranges as lists. Reads back to the same study. */
 cJSON *study_encode(const struct study_plan *plan);
 
-/* job_check of every trial of a sweep, of both ends of a search; then `also` (NULL: nothing), for those who know worlds. `cost`
- * (may be NULL) is the sum over the trials; for a search an estimate, of the rounds it may take. */
+/* job_check of every trial of a sweep, of both ends of a search; then `also` (NULL: nothing) with `context`, for those who know
+ * worlds. `cost` (may be NULL) is the sum over the trials; for a search an estimate, of the rounds it may take. */
 enum scree_status study_plan_check(const struct study_plan *plan, double memory_limit,
-                                   enum scree_status (*also)(const struct job_spec *, struct scree_error *), struct job_cost *cost,
-                                   struct scree_error *err);
+                                   enum scree_status (*also)(const struct job_spec *, const void *, struct scree_error *),
+                                   const void *context, struct job_cost *cost, struct scree_error *err);
 
 /* The spec of one trial of a sweep. */
 enum scree_status study_plan_trial(const struct study_plan *plan, size_t trial, struct job_spec *out, struct scree_error *err);

@@ -126,13 +126,14 @@ static void add_cost(struct job_cost *sum, const struct job_spec *job, double ti
 /* What every trial must pass. */
 struct trial_check {
     double memory_limit;
-    enum scree_status (*also)(const struct job_spec *, struct scree_error *);
+    enum scree_status (*also)(const struct job_spec *, const void *, struct scree_error *);
+    const void *context;
 };
 
 static enum scree_status check_trial(const struct trial_check *check, const struct job_spec *job, struct scree_error *err)
 {
     enum scree_status status = job_check(job, check->memory_limit, err);
-    return status || !check->also ? status : check->also(job, err);
+    return status || !check->also ? status : check->also(job, check->context, err);
 }
 
 static enum scree_status check_sweep(const struct study_plan *plan, const struct trial_check *check, struct job_cost *cost,
@@ -174,10 +175,10 @@ static enum scree_status check_search(const struct study_plan *plan, const struc
 }
 
 enum scree_status study_plan_check(const struct study_plan *plan, double memory_limit,
-                                   enum scree_status (*also)(const struct job_spec *, struct scree_error *), struct job_cost *cost,
-                                   struct scree_error *err)
+                                   enum scree_status (*also)(const struct job_spec *, const void *, struct scree_error *),
+                                   const void *context, struct job_cost *cost, struct scree_error *err)
 {
-    const struct trial_check check = {memory_limit, also};
+    const struct trial_check check = {memory_limit, also, context};
     struct job_cost sum = {0};
     enum scree_status status =
         plan->spec.kind == STUDY_SWEEP ? check_sweep(plan, &check, &sum, err) : check_search(plan, &check, &sum, err);

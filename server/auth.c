@@ -299,10 +299,10 @@ static const struct {
     const char *op;
     enum role role;
 } roles[] = {
-    {"ping", ROLE_VIEW},    {"check", ROLE_VIEW},      {"list", ROLE_VIEW},     {"show", ROLE_VIEW},        {"fetch", ROLE_VIEW},
-    {"plot", ROLE_VIEW},    {"fetch_part", ROLE_VIEW}, {"open", ROLE_VIEW},     {"credit", ROLE_VIEW},      {"close", ROLE_VIEW},
-    {"table", ROLE_VIEW},   {"submit", ROLE_SUBMIT},   {"replay", ROLE_SUBMIT}, {"cancel", ROLE_STEER},     {"pause", ROLE_STEER},
-    {"resume", ROLE_STEER}, {"set", ROLE_STEER},       {"fork", ROLE_STEER},    {"checkpoint", ROLE_STEER},
+    {"ping", ROLE_VIEW},   {"check", ROLE_VIEW},      {"list", ROLE_VIEW},   {"show", ROLE_VIEW},     {"fetch", ROLE_VIEW},
+    {"plot", ROLE_VIEW},   {"fetch_part", ROLE_VIEW}, {"open", ROLE_VIEW},   {"credit", ROLE_VIEW},   {"close", ROLE_VIEW},
+    {"table", ROLE_VIEW},  {"submit", ROLE_SUBMIT},   {"mesh", ROLE_SUBMIT}, {"replay", ROLE_SUBMIT}, {"cancel", ROLE_STEER},
+    {"pause", ROLE_STEER}, {"resume", ROLE_STEER},    {"set", ROLE_STEER},   {"fork", ROLE_STEER},    {"checkpoint", ROLE_STEER},
 };
 
 enum scree_status auth_permit(const struct user *user, const char *op, struct scree_error *err)

@@ -99,6 +99,7 @@ struct run {
     size_t start_count;
     struct run_start origin; // of a fork: where its parent stood; path "" if there is none
     char log_path[CONFIG_PATH_MAX + 64], folder[CONFIG_PATH_MAX + 64];
+    char meshes[CONFIG_PATH_MAX + 64]; // folder
     struct recorder *recorder;
     double checkpoint_s;  // wall time between checkpoints, 0: none by the clock
     uint64_t stop_step;   // a replay of a job that was stopped ends here, UINT64_MAX: no such step

@@ -16,6 +16,7 @@
 #include "gate.h"
 #include "health.h"
 #include "limits.h"
+#include "meshes.h"
 #include "outcome.h"
 #include "protocol/job_json.h"
 #include "study_requests.h"
@@ -119,7 +120,7 @@ static enum scree_status do_ping(struct daemon *daemon, const cJSON *body, const
     return SCREE_OK;
 }
 
-static enum scree_status read_spec(const cJSON *body, struct job_spec *spec, struct scree_error *err)
+static enum scree_status read_spec(const struct daemon *daemon, const cJSON *body, struct job_spec *spec, struct scree_error *err)
 {
     const cJSON *json = json_get(body, "spec");
     if (!json)
@@ -127,14 +128,14 @@ static enum scree_status read_spec(const cJSON *body, struct job_spec *spec, str
     enum scree_status status = job_decode(json, spec, err);
     if (!status)
         status = job_check(spec, requests_memory(), err);
-    return status ? status : scree_job_check(spec, err);
+    return status ? status : meshes_check_job(spec, daemon->config, err);
 }
 
 static enum scree_status do_check(struct daemon *daemon, const cJSON *body, const char *id, cJSON **result, struct scree_error *err)
 {
-    (void)daemon, (void)id;
+    (void)id;
     struct job_spec spec;
-    enum scree_status status = read_spec(body, &spec, err);
+    enum scree_status status = read_spec(daemon, body, &spec, err);
     if (status)
         return status;
     const struct job_cost cost = job_cost(&spec);
@@ -150,7 +151,7 @@ static enum scree_status do_submit(struct daemon *daemon, const cJSON *body, con
     struct job_spec spec;
     struct job *job;
     bool reused;
-    enum scree_status status = read_spec(body, &spec, err);
+    enum scree_status status = read_spec(daemon, body, &spec, err);
     if (status || (status = limits_check_jobs(daemon->config, daemon->scheduler, &daemon->user, id, err)) ||
         (status = scheduler_submit(daemon->scheduler, id, &spec, json_bool(body, "again", false), &job, &reused, err)))
         return status;
@@ -159,6 +160,12 @@ static enum scree_status do_submit(struct daemon *daemon, const cJSON *body, con
     json_put_text(*result, "state", job_state_word(job->state));
     json_put_bool(*result, "reused", reused);
     return SCREE_OK;
+}
+
+static enum scree_status do_mesh(struct daemon *daemon, const cJSON *body, const char *id, cJSON **result, struct scree_error *err)
+{
+    (void)id;
+    return meshes_keep(daemon->config, body, result, err);
 }
 
 static enum scree_status do_list(struct daemon *daemon, const cJSON *body, const char *id, cJSON **result, struct scree_error *err)
@@ -356,7 +363,7 @@ static const struct operation {
     enum scree_status (*carry_out)(struct daemon *, const cJSON *, const char *, cJSON **, struct scree_error *);
 } operations[] = {
     {"ping", do_ping},     {"check", do_check},           {"submit", do_submit},     {"list", do_list},     {"show", do_show},
-    {"cancel", do_cancel}, {"fetch_part", do_fetch_part}, {"shutdown", do_shutdown}, {"replay", do_replay},
+    {"cancel", do_cancel}, {"fetch_part", do_fetch_part}, {"shutdown", do_shutdown}, {"replay", do_replay}, {"mesh", do_mesh},
 };
 
 cJSON *requests_fetched(const struct job *job, const char *path)

@@ -48,6 +48,7 @@
 #include "base/failpoint.h"
 #include "base/memory.h"
 #include "log.h"
+#include "meshes.h"
 #include "outcome.h"
 #include "protocol/frame.h"
 #include "protocol/job_json.h"
@@ -227,6 +228,7 @@ static enum scree_status make_run(struct scheduler *s, struct job *job, struct r
     pthread_mutex_init(&run->lock, NULL);
     pthread_cond_init(&run->answered, NULL);
     snprintf(run->folder, sizeof run->folder, "%s/jobs/%s", s->config->data, job->id);
+    meshes_folder(s->config, run->meshes);
     scheduler_log_path(s, job, run->log_path, sizeof run->log_path);
     enum scree_status status;
     if ((status = scheduler_folder(run->folder, err)) || (status = restart_find(s, job, run, err)) ||

@@ -36,6 +36,7 @@
 #include "base/memory.h"
 #include "journal_studies.h"
 #include "log.h"
+#include "meshes.h"
 #include "protocol/frame.h"
 #include "requests.h"
 #include "studies_state.h"
@@ -386,7 +387,7 @@ static enum scree_status make_study(struct studies *s, const cJSON *json, struct
 {
     enum scree_status status = study_decode(json, &study->plan, err);
     study->readable = true;
-    if (status || (status = study_plan_check(&study->plan, requests_memory(), scree_job_check, NULL, err)))
+    if (status || (status = study_plan_check(&study->plan, requests_memory(), meshes_check_job, s->config, NULL, err)))
         return status;
     if (study->plan.spec.at_once == 0)
         study->plan.spec.at_once = s->config->workers;

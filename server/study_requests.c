@@ -14,6 +14,7 @@
 
 #include "io/table.h"
 #include "limits.h"
+#include "meshes.h"
 #include "study_view.h"
 
 enum { PART_MAX = 512 << 10, FILE_PATH_MAX = CONFIG_PATH_MAX + 64 };
@@ -199,11 +200,11 @@ cJSON *study_recorded_reply(const char *request, const struct record_order *orde
 
 static enum scree_status do_check(struct daemon *daemon, const cJSON *body, const char *id, cJSON **result, struct scree_error *err)
 {
-    (void)daemon, (void)id;
+    (void)id;
     struct study_plan plan;
     struct job_cost cost;
     enum scree_status status = study_decode(json_get(body, "spec"), &plan, err);
-    if (!status && !(status = study_plan_check(&plan, requests_memory(), scree_job_check, &cost, err))) {
+    if (!status && !(status = study_plan_check(&plan, requests_memory(), meshes_check_job, daemon->config, &cost, err))) {
         *result = cJSON_CreateObject();
         json_put(*result, "spec", study_encode(&plan));
         json_put(*result, "cost", job_cost_encode(&cost));

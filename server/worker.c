@@ -359,7 +359,7 @@ static enum scree_status make_world(struct context *c, const struct scree_sink *
         log_line(LOG_WARNING, "job=j%lld %s", (long long)run->job, status ? why.message : "the stream log lacks chunks");
     }
     if (!*run->origin.path) {
-        const struct scree_options options = {.threads = 0};
+        const struct scree_options options = {.meshes = run->meshes};
         return scree_world_create(&run->spec, &options, sink, world, err);
     }
     r.start = &run->origin;

@@ -62,12 +62,22 @@ struct scree_sink {
 /* ---- worlds ---- */
 
 struct scree_options {
-    const char *isa; // "x86-64-v2", "-v3", "-v4" or NULL: the best this machine has
-    int threads;     // 0: the job's own
+    const char *isa;    // "x86-64-v2", "-v3", "-v4" or NULL: the best this machine has
+    int threads;        // 0: the job's own
+    const char *meshes; // folder of the meshes that jobs name, each a file called by its SHA-256; NULL: there are none
 };
 
 /* Refuses a job that job_check passes and no world could be made of, as bodies that are not convex: SCREE_INVALID. */
-enum scree_status scree_job_check(const struct job_spec *job, struct scree_error *err);
+enum scree_status scree_job_check(const struct job_spec *job, const struct scree_options *options, struct scree_error *err);
+
+/* A mesh as the bytes of an STL or OBJ file: whether worlds can be made of it, and what it is. SCREE_INVALID names the
+ * triangle or the line. */
+struct scree_mesh {
+    size_t vertices, triangles;
+    double low[3], high[3]; // in the file's lengths
+    bool closed;            // it encloses a space
+};
+enum scree_status scree_mesh_look(const char *bytes, size_t size, struct scree_mesh *out, struct scree_error *err);
 
 /* Builds the world of a checked job (job_check). May take seconds for a large
  * one: `cancelled`, polled now and then, makes it return SCREE_CANCELLED.

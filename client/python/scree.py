@@ -173,6 +173,11 @@ class Daemon:
         """What the daemon says of itself."""
         return self.ask("ping")
 
+    def mesh(self, path):
+        """Gives the daemon an STL or OBJ file and returns its name, for `sha256` of a job's params.mesh."""
+        with open(path, "rb") as file:
+            return self.ask("mesh", {"data": base64.b64encode(file.read()).decode()})["sha256"]
+
     def submit(self, spec, again=False):
         """Puts a job into the queue. `spec`: a dict, or the path of a JSON file."""
         if not isinstance(spec, dict):

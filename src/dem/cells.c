@@ -40,8 +40,9 @@ static void cells_layout(struct cells *cells, const struct dem *dem, double widt
         if (high <= 0) {
             low = INFINITY, high = -INFINITY;
             for (size_t i = 0; i < dem->grains; i++) {
-                low = fmin(low, dem->position[i][a]);
-                high = fmax(high, dem->position[i][a]);
+                double x = dem->position[i][a];
+                low = x < low ? x : low;
+                high = x > high ? x : high;
             }
             high += 1e-6 * width;
         }
@@ -124,18 +125,17 @@ struct search {
     bool torn; // an image number out of range
 };
 
-/* Adds the grains of cells [from, to) whose rows are above those of the searcher's unit. */
-static enum scree_status search_cells(struct search *s, uint32_t from, uint32_t to, const int wrap[3], struct scree_error *err)
+/* Adds the grains of a cell whose rows are above those of the searcher's unit. Rows ascend: from the last one down to those. */
+static enum scree_status search_cell(struct search *s, uint32_t cell, const double at[3], const int wrap[3],
+                                     struct scree_error *err)
 {
     const struct cells *cells = s->cells;
-    double at[3];
-    for (int a = 0; a < 3; a++)
-        at[a] = s->point[a] - wrap[a] * s->dem->length[a];
+    const uint32_t *row = cells->row, first = cells->start[cell];
     double reach = s->radius + s->skin;
-    for (uint32_t k = cells->start[from]; k < cells->start[to]; k++) {
+    for (uint32_t k = cells->start[cell + 1]; k-- > first && row[k] >= s->next;) {
         const double *q = cells->point[k];
         double x = q[0] - at[0], y = q[1] - at[1], z = q[2] - at[2], r = reach + q[3];
-        if (x * x + y * y + z * z >= r * r || cells->row[k] < s->next)
+        if (x * x + y * y + z * z >= r * r)
             continue;
         int code = 0;
         for (int a = 2; a >= 0; a--) {
@@ -146,9 +146,20 @@ static enum scree_status search_cells(struct search *s, uint32_t from, uint32_t 
         enum scree_status status = memory_grow((void **)&s->found, &s->room, s->count + 1, sizeof *s->found, err);
         if (status)
             return status;
-        s->found[s->count++] = cells->row[k] | (uint32_t)code << IMAGE_SHIFT;
+        s->found[s->count++] = row[k] | (uint32_t)code << IMAGE_SHIFT;
     }
     return SCREE_OK;
+}
+
+static enum scree_status search_cells(struct search *s, uint32_t from, uint32_t to, const int wrap[3], struct scree_error *err)
+{
+    double at[3];
+    enum scree_status status = SCREE_OK;
+    for (int a = 0; a < 3; a++)
+        at[a] = s->point[a] - wrap[a] * s->dem->length[a];
+    for (uint32_t cell = from; cell < to && !status; cell++)
+        status = search_cell(s, cell, at, wrap, err);
+    return status;
 }
 
 /* All neighbour cells of one row of cells along x, wrapped where needed. */

@@ -96,6 +96,7 @@ void mesh_free(struct mesh *mesh)
     for (int k = 0; mesh->part && k < mesh->part_count; k++) {
         struct mesh_part *p = &mesh->part[k];
         free(p->outer);
+        free(p->unit);
         free(p->group);
         free(p->triangle);
         free(p->found);
@@ -130,6 +131,12 @@ static struct place surface_place(const struct surface *s, double time_s)
 static double mesh_now(const struct dem *dem)
 {
     return (double)(dem->step + 1) * dem->step_s;
+}
+
+/* Above a triangle's plane, on the side it turns to. Far says more cheaply than distance_to that a triangle is out of reach. */
+static double height_over(const double plane[4], const double point[3])
+{
+    return plane[0] * point[0] + plane[1] * point[1] + plane[2] * point[2] - plane[3];
 }
 
 static double distance_to(const struct surface *s, uint32_t triangle, const double point[3])
@@ -174,30 +181,61 @@ static enum scree_status ask(struct mesh_part *p, const struct surface *s, const
     }
 }
 
+static enum scree_status add_outer(struct mesh_near **list, size_t *room, size_t *count, struct mesh_near item,
+                                   struct scree_error *err)
+{
+    enum scree_status status = memory_grow((void **)list, room, *count + 1, sizeof **list, err);
+    if (!status)
+        (*list)[(*count)++] = item;
+    return status;
+}
+
+/* Triangles that rows of one unit, [from, to), may touch within the skin: those near a ball about the first that holds all. */
+static enum scree_status ask_unit(const struct dem *dem, struct mesh_part *p, size_t from, size_t to, double skin,
+                                  struct scree_error *err)
+{
+    const double *middle = dem->position[from];
+    double ball = 0;
+    enum scree_status status = SCREE_OK;
+    for (size_t i = from; i < to; i++) {
+        struct vec3 out = vec3_sub(vec3_load(dem->position[i]), vec3_load(middle));
+        double reach = sqrt(vec3_dot(out, out)) + dem->position[i][3] + skin;
+        ball = reach > ball ? reach : ball;
+    }
+    p->unit_count = 0;
+    for (uint32_t k = 0; k < dem->mesh->count && !status; k++) {
+        const struct surface *s = &dem->mesh->surface[k];
+        size_t count = 0;
+        status = s->moves ? SCREE_OK : ask(p, s, middle, ball, &count, err);
+        for (size_t f = 0; f < count && !status; f++)
+            status = add_outer(&p->unit, &p->unit_room, &p->unit_count, (struct mesh_near){0, k, p->found[f]}, err);
+    }
+    return status;
+}
+
 enum scree_status mesh_outer(struct dem *dem, struct part *part, double skin, struct scree_error *err)
 {
     if (!dem->mesh)
         return SCREE_OK;
     struct mesh_part *p = &dem->mesh->part[part - dem->parts];
+    enum scree_status status = SCREE_OK;
     p->outer_count = 0;
     memcpy(dem->mesh->asked[part->from], dem->position[part->from], (part->to - part->from) * sizeof *dem->mesh->asked);
-    for (size_t i = part->from; i < part->to; i++)
-        for (size_t k = 0; k < dem->mesh->count; k++) {
-            const struct surface *s = &dem->mesh->surface[k];
-            const double *x = dem->position[i];
-            size_t count = 0;
-            enum scree_status status = s->moves ? SCREE_OK : ask(p, s, x, x[3] + skin, &count, err);
-            for (size_t f = 0; f < count && !status; f++) {
-                if (distance_to(s, p->found[f], x) > x[3] + skin)
-                    continue;
-                status = memory_grow((void **)&p->outer, &p->outer_room, p->outer_count + 1, sizeof *p->outer, err);
-                if (!status)
-                    p->outer[p->outer_count++] = (struct mesh_near){(uint32_t)i, (uint32_t)k, p->found[f]};
-            }
-            if (status)
-                return status;
+    for (size_t i = part->from, next = i; i < part->to && !status; i++) {
+        if (i == next) {
+            next = dem->motion->next(dem, i);
+            status = ask_unit(dem, p, i, next, skin, err);
         }
-    return SCREE_OK;
+        for (size_t f = 0; f < p->unit_count && !status; f++) {
+            const struct surface *s = &dem->mesh->surface[p->unit[f].surface];
+            uint32_t t = p->unit[f].triangle;
+            const double *x = dem->position[i], reach = x[3] + skin;
+            if (fabs(height_over(s->plane[t], x)) <= reach && distance_to(s, t, x) <= reach)
+                status = add_outer(&p->outer, &p->outer_room, &p->outer_count,
+                                   (struct mesh_near){(uint32_t)i, p->unit[f].surface, t}, err);
+        }
+    }
+    return status;
 }
 
 static enum scree_status add_near(struct mesh_part *p, uint32_t grain, uint32_t surface, uint32_t triangle, struct scree_error *err)
@@ -269,7 +307,8 @@ enum scree_status mesh_near(struct dem *dem, struct part *part, double horizon, 
             if (s->moves)
                 status = near_moving(dem, p, i, k, radius, err);
             for (; o < p->outer_count && p->outer[o].grain == i && p->outer[o].surface == k && !status; o++)
-                if (distance_to(s, p->outer[o].triangle, dem->position[i]) <= radius)
+                if (fabs(height_over(s->plane[p->outer[o].triangle], dem->position[i])) <= radius &&
+                    distance_to(s, p->outer[o].triangle, dem->position[i]) <= radius)
                     status = add_near(p, i, k, p->outer[o].triangle, err);
         }
     if (status)
@@ -287,8 +326,7 @@ struct hit {
 /* Whether and how a sphere touches one triangle. */
 static bool touch(const struct surface *s, uint32_t triangle, const double at[3], double radius, struct hit *hit)
 {
-    const double *plane = s->plane[triangle];
-    double height = plane[0] * at[0] + plane[1] * at[1] + plane[2] * at[2] - plane[3];
+    const double *plane = s->plane[triangle], height = height_over(plane, at);
     if (fabs(height) > radius)
         return false;
     struct nearest near = trimesh_nearest(s->mesh, triangle, at);

@@ -23,13 +23,13 @@ struct mesh_group { // triangles of one surface that are near one grain
 
 /* Of one part. Contacts in the order (grain, surface, depth), which is that of the walk. */
 struct mesh_part {
-    struct mesh_near *outer;
+    struct mesh_near *outer, *unit; // unit: scratch of the rebuild, what one unit is near
     struct mesh_group *group;
     uint32_t *triangle, *found;
     struct wall_pair *contact, *next;
     struct contact_loss *ended;
-    size_t outer_count, group_count, triangle_count, contact_count, next_count, ended_count;
-    size_t outer_room, group_room, triangle_room, found_room, contact_room, ended_room; // contact_room is of next too
+    size_t outer_count, unit_count, group_count, triangle_count, contact_count, next_count, ended_count;
+    size_t outer_room, unit_room, group_room, triangle_room, found_room, contact_room, ended_room; // contact_room is of next too
 };
 
 struct mesh {

@@ -139,6 +139,11 @@ static enum scree_status check_edges(const struct trimesh *mesh, bool closed, st
     return status;
 }
 
+enum scree_status trimesh_check_closed(const struct trimesh *mesh, struct scree_error *err)
+{
+    return check_edges(mesh, true, err);
+}
+
 static enum scree_status take_corners(struct trimesh *mesh, const uint32_t (*corner)[3], size_t vertices, const uint32_t *renamed,
                                       struct scree_error *err)
 {

@@ -37,6 +37,9 @@ enum scree_status trimesh_parse(const char *bytes, size_t size, double scale, bo
                                 struct scree_error *err);
 enum scree_status trimesh_read(const char *path, double scale, bool closed, struct trimesh **out, struct scree_error *err);
 
+/* Whether it encloses a space: every edge has two triangles. */
+enum scree_status trimesh_check_closed(const struct trimesh *mesh, struct scree_error *err);
+
 /* Of the solid inside a closed mesh, for density 1. */
 struct solid {
     double volume;     // m3; positive when triangles turn outwards

@@ -112,7 +112,7 @@ static double distance2_to_box(const double low[3], const double high[3], const 
 {
     double sum = 0;
     for (int a = 0; a < 3; a++) {
-        double out = fmax(0, fmax(low[a] - point[a], point[a] - high[a]));
+        double out = low[a] > point[a] ? low[a] - point[a] : point[a] > high[a] ? point[a] - high[a] : 0;
         sum += out * out;
     }
     return sum;

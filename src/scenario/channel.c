@@ -7,7 +7,7 @@
 
 #include "scenario/slope.h"
 
-static enum scree_status channel_build(const struct job_spec *job, const char *isa, int threads, struct dem **out,
+static enum scree_status channel_build(const struct job_spec *job, const struct scenario_means *means, struct dem **out,
                                        struct scree_error *err)
 {
     double length[2];
@@ -16,7 +16,7 @@ static enum scree_status channel_build(const struct job_spec *job, const char *i
                                                {.point = {0, length[1], 0}, .normal = {0, -1, 0}, .partner = BEAD_MIRROR}},
                                       .count = 2,
                                       .measured_y = {0.5 * length[1], INFINITY}};
-    return slope_build(job, &sides, isa, threads, out, err);
+    return slope_build(job, &sides, means, out, err);
 }
 
 static void channel_profile(const struct job_spec *job, size_t *layers, double *area_m2, double region[2])

@@ -8,6 +8,7 @@
 #include "base/memory.h"
 #include "dem/law.h"
 #include "scenario/fragments.h"
+#include "scenario/own_mesh.h"
 #include "scenario/scenario.h"
 
 static const struct chute_params *params_of(const struct job_spec *job)
@@ -55,7 +56,14 @@ static struct chute chute_shape(const struct job_spec *job)
     return fragments_chute(job);
 }
 
-static enum scree_status chute_build(const struct job_spec *job, const char *isa, int threads, struct dem **out,
+static double lowest(const struct trimesh *mesh)
+{
+    double low[3], high[3];
+    trimesh_bounds(mesh, low, high);
+    return low[2];
+}
+
+static enum scree_status chute_build(const struct job_spec *job, const struct scenario_means *means, struct dem **out,
                                      struct scree_error *err)
 {
     const struct chute_params *p = params_of(job);
@@ -66,7 +74,9 @@ static enum scree_status chute_build(const struct job_spec *job, const char *isa
     uint8_t *partner = NULL, gate_partner[8];
     size_t count;
     enum scree_status status = fragments_fill(job, shapes, &bodies, &count, err);
-    if (status || (status = chute_mesh(&chute, &mesh, &partner, err)) || (status = chute_gate(&chute, &gate, err)))
+    if (!status)
+        status = p->mesh.on ? own_mesh_read(job, means, &mesh, &partner, err) : chute_mesh(&chute, &mesh, &partner, err);
+    if (status || (status = chute_gate(&chute, &gate, err)))
         goto out;
     for (size_t t = 0; t < mesh->triangles; t++)
         partner[t] = partner[t] && p->accelerator == ACCELERATOR_GATE ? FRAGMENT_GATE : FRAGMENT_CHUTE;
@@ -87,9 +97,9 @@ static enum scree_status chute_build(const struct job_spec *job, const char *isa
                               .body_count = count,
                               .surfaces = surfaces,
                               .surface_count = p->gate_m_s > 0 ? 2 : 1,
-                              .floor_z = chute_z(&chute, chute.run) - 0.5 * p->size_m,
-                              .threads = threads,
-                              .isa = isa,
+                              .floor_z = lowest(mesh) - 0.5 * p->size_m,
+                              .threads = means->threads,
+                              .isa = means->isa,
                               .ledger = job->record.energy.on};
     chute_gravity(job, setup.gravity);
     status = dem_create(&setup, out, err);
@@ -102,6 +112,7 @@ out:
 }
 
 const struct scenario scenario_chute = {.name = "chute",
+                                        .check = own_mesh_check,
                                         .build = chute_build,
                                         .gravity = chute_gravity,
                                         .base = chute_base,

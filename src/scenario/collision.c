@@ -23,7 +23,7 @@ static void collision_base(const struct job_spec *job, double *z, double *area_m
     *area_m2 = 0;
 }
 
-static enum scree_status collision_build(const struct job_spec *job, const char *isa, int threads, struct dem **out,
+static enum scree_status collision_build(const struct job_spec *job, const struct scenario_means *means, struct dem **out,
                                          struct scree_error *err)
 {
     const struct collision_params *p = params_of(job);
@@ -47,8 +47,8 @@ static enum scree_status collision_build(const struct job_spec *job, const char 
                               .wall_count = plane ? 1 : 0,
                               .material = job->material,
                               .floor_z = -INFINITY,
-                              .threads = threads,
-                              .isa = isa,
+                              .threads = means->threads,
+                              .isa = means->isa,
                               .ledger = job->record.energy.on};
     collision_gravity(job, setup.gravity);
     return dem_create(&setup, out, err);

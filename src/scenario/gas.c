@@ -76,7 +76,7 @@ static void heat(const struct job_spec *job, struct dem_grain *grains, size_t co
             grains[k].velocity[a] *= scale;
 }
 
-static enum scree_status gas_build(const struct job_spec *job, const char *isa, int threads, struct dem **out,
+static enum scree_status gas_build(const struct job_spec *job, const struct scenario_means *means, struct dem **out,
                                    struct scree_error *err)
 {
     const struct gas_params *p = params_of(job);
@@ -97,8 +97,8 @@ static enum scree_status gas_build(const struct job_spec *job, const char *isa, 
                               .wall_count = walled ? 2 : 0,
                               .material = job->material,
                               .floor_z = -INFINITY,
-                              .threads = threads,
-                              .isa = isa,
+                              .threads = means->threads,
+                              .isa = means->isa,
                               .ledger = job->record.energy.on};
     enum scree_status status = dem_create(&setup, out, err);
     free(grains);

@@ -36,7 +36,7 @@ static double resting_overlap(const struct material_spec *m, double weight)
     return pow(weight / stiffness, 2.0 / 3.0);
 }
 
-static enum scree_status rolling_build(const struct job_spec *job, const char *isa, int threads, struct dem **out,
+static enum scree_status rolling_build(const struct job_spec *job, const struct scenario_means *means, struct dem **out,
                                        struct scree_error *err)
 {
     const struct rolling_params *p = params_of(job);
@@ -48,8 +48,8 @@ static enum scree_status rolling_build(const struct job_spec *job, const char *i
                               .wall_count = 1,
                               .material = *m,
                               .floor_z = -INFINITY,
-                              .threads = threads,
-                              .isa = isa,
+                              .threads = means->threads,
+                              .isa = means->isa,
                               .ledger = job->record.energy.on};
     rolling_gravity(job, setup.gravity);
     /* Contacts exert no force at t = 0 yet: the half kick with which this one would carry the weight. */

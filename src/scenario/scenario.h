@@ -8,10 +8,20 @@
 #include "geom/chute.h"
 #include "spec/spec.h"
 
+/* What building takes beside the job. */
+struct scenario_means {
+    const char *isa; // NULL: the best there is
+    int threads;
+    const char *meshes; // folder of the meshes that jobs name, each a file called by its SHA-256; NULL: there are none
+};
+
 struct scenario {
     const char *name; // as in scenario_list
     /* Builds the world of a checked job. *out is owned by the caller. */
-    enum scree_status (*build)(const struct job_spec *job, const char *isa, int threads, struct dem **out, struct scree_error *err);
+    enum scree_status (*build)(const struct job_spec *job, const struct scenario_means *means, struct dem **out,
+                               struct scree_error *err);
+    /* Refuses what job_check cannot tell and building would. NULL: nothing. */
+    enum scree_status (*check)(const struct job_spec *job, const struct scenario_means *means, struct scree_error *err);
     /* Gravity of the job's params as they now stand, for steering. */
     void (*gravity)(const struct job_spec *job, double gravity[3]);
     /* Height of the nominal top of the base and basal area, for bulk measurements; area 0: none. */

@@ -59,7 +59,7 @@ struct packing slope_packing(const struct job_spec *job, const struct slope_side
     return packing;
 }
 
-enum scree_status slope_build(const struct job_spec *job, const struct slope_sides *sides, const char *isa, int threads,
+enum scree_status slope_build(const struct job_spec *job, const struct slope_sides *sides, const struct scenario_means *means,
                               struct dem **out, struct scree_error *err)
 {
     const struct incline_params *p = slope_params(job);
@@ -67,7 +67,7 @@ enum scree_status slope_build(const struct job_spec *job, const struct slope_sid
     struct dem_grain *base = NULL, *grains = NULL;
     size_t fixed = 0, flowing = (size_t)(p->nx * p->ny * p->nz);
     struct rng rng = rng_start((uint64_t)job->seed, STREAM_FLOW);
-    enum scree_status status = slope_base(job, sides, isa, &base, &fixed, err);
+    enum scree_status status = slope_base(job, sides, means->isa, &base, &fixed, err);
     if (status)
         goto out;
     grains = memory_rows(flowing + fixed, sizeof *grains);
@@ -91,8 +91,8 @@ enum scree_status slope_build(const struct job_spec *job, const struct slope_sid
                               .base_y = {sides->measured_y[0], sides->measured_y[1]},
                               .material = job->material,
                               .floor_z = -d,
-                              .threads = threads,
-                              .isa = isa,
+                              .threads = means->threads,
+                              .isa = means->isa,
                               .ledger = job->record.energy.on};
     slope_box(job, sides, setup.length);
     slope_gravity(job, setup.gravity);

@@ -34,7 +34,7 @@ enum scree_status slope_base(const struct job_spec *job, const struct slope_side
                              size_t *count, struct scree_error *err);
 
 /* The whole world, closed from below by a plane of the grains' matter at z = -d. */
-enum scree_status slope_build(const struct job_spec *job, const struct slope_sides *sides, const char *isa, int threads,
+enum scree_status slope_build(const struct job_spec *job, const struct slope_sides *sides, const struct scenario_means *means,
                               struct dem **out, struct scree_error *err);
 
 #endif

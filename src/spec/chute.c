@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Scenario `chute` as the user sees it. */
 #include <math.h>
+#include <string.h>
 
 #include "base/text.h"
 #include "spec/scenarios.h"
@@ -81,6 +82,45 @@ static const struct field clast_fields[] = {
 };
 static const struct field_table clast_table = {"clast", "", clast_fields, sizeof clast_fields / sizeof *clast_fields,
                                                sizeof(struct clast_spec)};
+
+#define MESH(member) .offset = offsetof(struct mesh_spec, member)
+
+static const struct field mesh_fields[] = {
+    {.name = "file",
+     .type = FIELD_TEXT,
+     MESH(file),
+     .size = MESH_FILE_MAX,
+     .unit = "",
+     .doc =
+         "STL (binary or ASCII) or OBJ, seen from the job's own file; scree reads it, gives it to the daemon and fills sha256 in",
+     .source = "",
+     .aside = true},
+    {.name = "sha256",
+     .type = FIELD_TEXT,
+     MESH(sha256),
+     .size = MESH_NAME_MAX,
+     .unit = "",
+     .doc = "name of a mesh that the daemon has: the SHA-256 of the file's bytes",
+     .source = ""},
+    {.name = "unit_m",
+     .type = FIELD_REAL,
+     MESH(unit_m),
+     .min = 1e-9,
+     .max = 1e3,
+     .preset = 1,
+     .unit = "m",
+     .doc = "what the file's lengths are in: 0.001 for millimetres",
+     .source = ""},
+    {.name = "closed",
+     .type = FIELD_BOOL,
+     MESH(closed),
+     .preset = 1,
+     .unit = "",
+     .doc = "refuse a mesh that does not enclose a space; false takes sheets, which have a rim",
+     .source = ""},
+};
+static const struct field_table mesh_table = {"mesh", "", mesh_fields, sizeof mesh_fields / sizeof *mesh_fields,
+                                              sizeof(struct mesh_spec)};
 
 static const struct field fields[] = {
     {.name = "mass_g",
@@ -235,6 +275,15 @@ static const struct field fields[] = {
      .unit = "sizes",
      .doc = "the curve is cut into flats that are nowhere farther from it, in grain sizes",
      .source = "ours"},
+    {.name = "mesh",
+     .type = FIELD_SWITCH,
+     AT(mesh),
+     .preset = 0,
+     .unit = "",
+     .doc = "an apparatus of your own, triangles in place of accelerator and chute; x is downslope, z up, and x = 0 where "
+            "the gate is gate_m upslope of. Space behind the gate, gate and measurements stay those of the geometry above",
+     .source = "",
+     .table = &mesh_table},
 };
 static const struct field_table table = {"params", "", fields, sizeof fields / sizeof *fields, sizeof(struct chute_params)};
 _Static_assert(sizeof(struct chute_params) <= SPEC_PARAMS_MAX, "params fit the job");
@@ -301,12 +350,26 @@ static enum scree_status check_clast(const struct clast_spec *clast, struct scre
     return SCREE_OK;
 }
 
+static enum scree_status check_mesh(const struct mesh_spec *mesh, struct scree_error *err)
+{
+    if (strlen(mesh->sha256) == MESH_NAME_MAX - 1 && strspn(mesh->sha256, "0123456789abcdef") == MESH_NAME_MAX - 1)
+        return SCREE_OK;
+    if (*mesh->sha256)
+        scree_fail(err, SCREE_INVALID, "params.mesh.sha256", "params.mesh.sha256: 64 digits 0..9, a..f are expected");
+    else
+        scree_fail(err, SCREE_INVALID, "params.mesh.sha256", "params.mesh.sha256: which mesh? The name of one is missing");
+    scree_hint(err, "params.mesh.file names a file that scree reads and gives to the daemon");
+    return SCREE_INVALID;
+}
+
 static enum scree_status chute_check(const struct job_spec *job, struct scree_error *err)
 {
     const struct chute_params *p = params_of(job);
     char text[TEXT_REAL_MAX];
     double longest = RAYLEIGH_SHARE * fragment_rayleigh_time(&job->fragments, smallest_radius(p));
     enum scree_status status = p->clast.on ? check_clast(&p->clast, err) : SCREE_OK;
+    if (!status && p->mesh.on)
+        status = check_mesh(&p->mesh, err);
     if (status)
         return status;
     if (p->spheres == 3)

@@ -231,7 +231,7 @@ struct record_spec {
 
 /* ---- the job ---- */
 
-enum { SPEC_PARAMS_MAX = 2560 };
+enum { SPEC_PARAMS_MAX = 2816 };
 
 /* What the paper says, to be printed beside what came out. "{restitution}" in it stands for that number of a job's
  * summary, "{answer}" for what a search found. */
@@ -434,6 +434,16 @@ struct clast_spec {
     double mass_kg, centre_m[3], moments_kg_m2[3], products_kg_m2[3]; // without faces
 };
 
+/* A wall of the user's own: what it is called by is what it is, so that a spec says all. The bytes are where meshes are kept. */
+enum { MESH_NAME_MAX = 65, MESH_FILE_MAX = 128 };
+struct mesh_spec {
+    bool on;
+    char sha256[MESH_NAME_MAX]; // of the file's bytes, 64 hexadecimal digits
+    char file[MESH_FILE_MAX];   // where a client read it
+    double unit_m;              // of the file's lengths
+    bool closed;                // it must enclose a space
+};
+
 enum chute_accelerator { ACCELERATOR_CHUTE, ACCELERATOR_GATE };
 struct chute_params { // seed 003: angular fragments down a curved chute
     double mass_g, size_m;
@@ -446,6 +456,7 @@ struct chute_params { // seed 003: angular fragments down a curved chute
     double gravity_m_s2;
     double floor_m, width_m, side_deg, guard_m, run_m, gate_m, flatness; // geometry; flatness in sizes
     struct clast_spec clast;
+    struct mesh_spec mesh; // in place of the chute that the geometry makes
 };
 
 struct settle_params { // seed 001: bodies poured into a box come to rest

@@ -13,7 +13,8 @@
 struct world_making {
     const char *isa; // NULL: the best there is
     int threads;
-    unsigned needs; // bits of enum measure_needs over all measurements
+    const char *meshes; // folder of the meshes that jobs name, NULL: none
+    unsigned needs;     // bits of enum measure_needs over all measurements
 };
 
 struct world_counts {
@@ -28,7 +29,7 @@ struct world_kind {
     bool (*knows)(const struct job_spec *job);
     void (*gravity)(const struct job_spec *job, double gravity[3]);
     /* Refuses what job_check cannot tell and building would, at the price of a few milliseconds. NULL: nothing. */
-    enum scree_status (*check)(const struct job_spec *job, struct scree_error *err);
+    enum scree_status (*check)(const struct job_spec *job, const struct world_making *making, struct scree_error *err);
     /* Where it is measured; site->fall.release is owned by the caller. */
     enum scree_status (*site)(const struct job_spec *job, struct measure_site *site, struct scree_error *err);
 
@@ -58,6 +59,9 @@ struct world_kind {
 };
 
 extern const struct world_kind world_kind_dem, world_kind_mpm, world_kind_convex, world_kind_calculation;
+
+/* What the options, or NULL, leave to the job is the job's. */
+struct world_making world_making_of(const struct job_spec *job, const struct scree_options *options);
 
 /* Whose scenario the job's is, or NULL. */
 const struct world_kind *world_kind_find(const struct job_spec *job);

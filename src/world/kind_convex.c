@@ -26,8 +26,9 @@ static void gravity(const struct job_spec *job, double out[3])
     out[2] = -rigid_scenario_find(job->scenario->name)->gravity(job);
 }
 
-static enum scree_status check(const struct job_spec *job, struct scree_error *err)
+static enum scree_status check(const struct job_spec *job, const struct world_making *making, struct scree_error *err)
 {
+    (void)making;
     return rigid_body_check(job, rigid_scenario_find(job->scenario->name)->body(job), err);
 }
 

@@ -77,13 +77,26 @@ static enum scree_status finish(struct body *b, const struct world_making *makin
     return SCREE_OK;
 }
 
+static struct scenario_means means_of(const struct world_making *making)
+{
+    return (struct scenario_means){.isa = making->isa, .threads = making->threads, .meshes = making->meshes};
+}
+
+static enum scree_status check(const struct job_spec *job, const struct world_making *making, struct scree_error *err)
+{
+    const struct scenario *scenario = scenario_implementation(job->scenario->name);
+    const struct scenario_means means = means_of(making);
+    return scenario->check ? scenario->check(job, &means, err) : SCREE_OK;
+}
+
 static enum scree_status build(const struct job_spec *job, const struct world_making *making, void **out, struct scree_error *err)
 {
     struct body *b;
     enum scree_status status = make_body(&b, err);
     if (status)
         return status;
-    status = scenario_implementation(job->scenario->name)->build(job, making->isa, making->threads, &b->dem, err);
+    const struct scenario_means means = means_of(making);
+    status = scenario_implementation(job->scenario->name)->build(job, &means, &b->dem, err);
     return finish(b, making, status, out);
 }
 
@@ -235,6 +248,7 @@ const struct world_kind world_kind_dem = {
     .kind = SCENARIO_DEM,
     .knows = knows,
     .gravity = gravity,
+    .check = check,
     .site = site,
     .build = build,
     .free = release,

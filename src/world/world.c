@@ -124,8 +124,7 @@ enum scree_status world_prepare(const struct job_spec *job, const struct scree_o
     w->job = *job;
     w->sink = *sink;
     w->kind = kind;
-    w->making = (struct world_making){.isa = options ? options->isa : NULL,
-                                      .threads = options && options->threads > 0 ? options->threads : (int)job->threads};
+    w->making = world_making_of(job, options);
     w->end_step = (uint64_t)fmax(1, round(job->time.end_s / job->time.step_s));
     w->context.job = &w->job;
     w->context.sink = &w->sink;

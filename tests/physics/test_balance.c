@@ -24,7 +24,7 @@ static struct dem *build(const struct job_spec *job)
     struct scree_error error = {0};
     struct dem *dem = NULL;
     must(job_check(job, 0, &error), &error);
-    must(scenario_implementation("incline")->build(job, NULL, 1, &dem, &error), &error);
+    must(scenario_implementation("incline")->build(job, &(struct scenario_means){.threads = 1}, &dem, &error), &error);
     return dem;
 }
 

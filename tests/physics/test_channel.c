@@ -264,7 +264,8 @@ static void grains_stay_between_wall_and_midline(void **state)
     struct dem *dem = NULL;
     struct view view;
     channel(&job);
-    if (job_check(&job, 0, &error) || scenario_implementation("channel")->build(&job, NULL, 1, &dem, &error))
+    if (job_check(&job, 0, &error) ||
+        scenario_implementation("channel")->build(&job, &(struct scenario_means){.threads = 1}, &dem, &error))
         fail_msg("%s", error.message);
     double d = 2 * job.material.radius_m, width = 8 * d;
     size_t touched[3] = {0};
@@ -306,7 +307,7 @@ static void the_force_is_of_the_measured_half(void **state)
     struct dem *dem = NULL;
     struct view view;
     channel(&job);
-    assert_int_equal(scenario_implementation("channel")->build(&job, NULL, 1, &dem, NULL), SCREE_OK);
+    assert_int_equal(scenario_implementation("channel")->build(&job, &(struct scenario_means){.threads = 1}, &dem, NULL), SCREE_OK);
     double middle = 4 * 2 * job.material.radius_m, mean[3], other = 0;
     assert_int_equal(dem_advance(dem, 200000, NULL), SCREE_OK);
     for (int k = 0; k < 2000; k++) {
@@ -342,7 +343,7 @@ static void halves_add_up(void **state)
     struct view view;
     struct bulk all, near_wall, inner;
     channel(&job);
-    assert_int_equal(scenario_implementation("channel")->build(&job, NULL, 1, &dem, NULL), SCREE_OK);
+    assert_int_equal(scenario_implementation("channel")->build(&job, &(struct scenario_means){.threads = 1}, &dem, NULL), SCREE_OK);
     assert_int_equal(dem_advance(dem, 200000, NULL), SCREE_OK);
     assert_int_equal(dem_view(dem, &view, NULL), SCREE_OK);
     double middle = 4 * 2 * job.material.radius_m;
@@ -369,7 +370,7 @@ static void the_wall_slows_the_flow(void **state)
     struct incline_params *p = channel(&job);
     p->ny = 12;
     job.material.wall.mu = 0.5; // of a rough wall: plainly seen in a short run
-    assert_int_equal(scenario_implementation("channel")->build(&job, NULL, 1, &dem, NULL), SCREE_OK);
+    assert_int_equal(scenario_implementation("channel")->build(&job, &(struct scenario_means){.threads = 1}, &dem, NULL), SCREE_OK);
     double d = 2 * job.material.radius_m;
     assert_int_equal(dem_advance(dem, 600000, NULL), SCREE_OK);
     for (int k = 0; k < 100; k++) {

@@ -87,7 +87,8 @@ static void initial_compaction_is_as_asked(void **state)
         assert_true(fabs(9e-3 / (length * area) / density[k] - 1) < 0.05);
         struct dem *dem = NULL;
         struct scree_error error = {0};
-        must(scenario_implementation("chute")->build(&job, NULL, 1, &dem, &error), &error); // refuses overlaps itself
+        must(scenario_implementation("chute")->build(&job, &(struct scenario_means){.threads = 1}, &dem, &error),
+             &error); // refuses overlaps itself
         dem_free(dem);
         free(bodies);
     }
@@ -99,7 +100,7 @@ static void refused(struct job_spec *job, const char *path, const char *message)
     struct dem *dem = NULL;
     enum scree_status status = job_check(job, 0, &error);
     if (!status)
-        status = scenario_implementation("chute")->build(job, NULL, 1, &dem, &error);
+        status = scenario_implementation("chute")->build(job, &(struct scenario_means){.threads = 1}, &dem, &error);
     assert_int_equal(status, SCREE_INVALID);
     assert_string_equal(error.path, path);
     if (!strstr(error.message, message))
@@ -184,7 +185,7 @@ static void a_clast_of_ones_own_can_be_the_published_cube(void **state)
         assert_true(fabs(by_faces.inertia[i] / moment - 1) < 1e-12 && fabs(by_numbers.inertia[i] / moment - 1) < 1e-12);
     struct dem *dem = NULL;
     struct scree_error error = {0};
-    must(scenario_implementation("chute")->build(&job, NULL, 1, &dem, &error), &error);
+    must(scenario_implementation("chute")->build(&job, &(struct scenario_means){.threads = 1}, &dem, &error), &error);
     advance(dem, 100);
     dem_free(dem);
 }
@@ -404,7 +405,7 @@ static void a_small_flow_runs_and_its_budget_closes(void **state)
     struct scree_error error = {0};
     job.record.energy.on = true;
     must(job_check(&job, 0, &error), &error);
-    must(scenario_implementation("chute")->build(&job, NULL, 1, &dem, &error), &error);
+    must(scenario_implementation("chute")->build(&job, &(struct scenario_means){.threads = 1}, &dem, &error), &error);
     advance(dem, (uint64_t)(0.7 / job.time.step_s));
     struct view view;
     struct bulk bulk;

@@ -95,7 +95,7 @@ static struct dem *flow(int threads, double slope_deg)
     p->nz = 4;
     p->slope_deg = slope_deg;
     must(job_check(&job, 0, &error), &error);
-    must(scenario_implementation("incline")->build(&job, NULL, threads, &dem, &error), &error);
+    must(scenario_implementation("incline")->build(&job, &(struct scenario_means){.threads = threads}, &dem, &error), &error);
     dem_log_formations(dem, true);
     return dem;
 }

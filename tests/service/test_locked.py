@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The network endpoint: only trusted keys come in, each may do what its role
 says, and strangers, however many and however rude, cost next to nothing."""
+import base64
 import contextlib
 import json
 import os
@@ -19,6 +20,7 @@ from raw import BIN, SANITIZED, Control, Daemon, Refused, Streams
 
 SCREE = os.path.join(BIN, "scree")
 SCREED = os.path.join(BIN, "screed")
+TRIANGLE = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"  # an OBJ file
 COLLISION = {"scenario": "collision"}
 LONG = {"scenario": "incline", "params": {"nx": 4, "ny": 4, "nz": 3}, "time": {"end_s": 1000}, "stop": {"when": []},
         "record": {"basal_force": {"every_s": 2.5e-5, "chunk": 100}}}
@@ -192,8 +194,9 @@ class Locked(Keyed):
         # Roles are ranks: what one may, the next may too.
         daemon = self.start()
         job = daemon.control.submit(LONG)
-        body = {"ping": {}, "show": {"job": job}, "submit": {"spec": COLLISION}, "cancel": {"job": job}, "shutdown": {}}
-        operations = {"view": ["ping", "show"], "submit": ["submit"], "steer": ["cancel"], "admin": ["shutdown"]}
+        body = {"ping": {}, "show": {"job": job}, "submit": {"spec": COLLISION},
+                "mesh": {"data": base64.b64encode(TRIANGLE).decode()}, "cancel": {"job": job}, "shutdown": {}}
+        operations = {"view": ["ping", "show"], "submit": ["submit", "mesh"], "steer": ["cancel"], "admin": ["shutdown"]}
         for number, role in enumerate(operations):
             control = self.control(self.user(role, role))
             for later, op in [(k, op) for k, r in enumerate(operations) for op in operations[r]]:

@@ -20,7 +20,7 @@ static enum scree_status decode(const char *text, struct study_plan *plan, struc
     memset(plan, 0, sizeof *plan);
     enum scree_status status = json_read(text, strlen(text), "t", &json, err);
     if (!status && !(status = study_decode(json, plan, err)))
-        status = study_plan_check(plan, 1e9, NULL, NULL, err);
+        status = study_plan_check(plan, 1e9, NULL, NULL, NULL, err);
     cJSON_Delete(json);
     return status;
 }
@@ -297,7 +297,7 @@ static void cost_is_the_sum_of_the_trials(void **state)
     struct study_plan plan;
     struct job_cost cost;
     decoded(SWEEP "\"grid\":{\"params.nz\":[4,8],\"time.end_s\":[1,3]},\"replicas\":2}", &plan);
-    assert_int_equal(study_plan_check(&plan, 0, NULL, &cost, NULL), SCREE_OK);
+    assert_int_equal(study_plan_check(&plan, 0, NULL, NULL, &cost, NULL), SCREE_OK);
     assert_true(cost.moving == 800);
     double work = cost.moving * cost.steps / (2 * 4e6 * (400 + 1200 + 800 + 2400));
     assert_true(work > 1 - 1e-12 && work < 1 + 1e-12);
@@ -308,7 +308,7 @@ static void cost_is_the_sum_of_the_trials(void **state)
             "{\"params.nx\":10,\"params.ny\":10,\"params.nz\":4},"
             "{\"scenario\":\"settle\",\"params.count\":100,\"time.step_s\":2.5e-6}]}",
             &plan);
-    assert_int_equal(study_plan_check(&plan, 0, NULL, &cost, NULL), SCREE_OK);
+    assert_int_equal(study_plan_check(&plan, 0, NULL, NULL, &cost, NULL), SCREE_OK);
     double seconds = job_cost_seconds(&cost) / (400 * 4e6 / 1e8 + 100 * 4e5 / 1e6);
     assert_true(seconds > 1 - 1e-9 && seconds < 1 + 1e-9);
     study_plan_free(&plan);
@@ -344,7 +344,7 @@ static void examples_are_accepted(void **state)
         snprintf(path, sizeof path, "%s/client/examples/%s.json", source_folder(), names[k]);
         enum scree_status status = json_read_file(path, &json, &err);
         status = status ? status : study_decode(json, &plan, &err);
-        status = status ? status : study_plan_check(&plan, 1e9, NULL, NULL, &err);
+        status = status ? status : study_plan_check(&plan, 1e9, NULL, NULL, NULL, &err);
         cJSON_Delete(json);
         if (status)
             fail_msg("%s: %s", names[k], err.message);

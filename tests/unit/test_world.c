@@ -172,7 +172,8 @@ static void a_warm_step_asks_for_no_memory(void **state)
     ((struct incline_params *)(void *)job.params)->slope_deg = 15;
     struct dem *dem = NULL;
     struct scree_error error = {0};
-    assert_int_equal(scenario_implementation("incline")->build(&job, NULL, 1, &dem, &error), SCREE_OK);
+    assert_int_equal(scenario_implementation("incline")->build(&job, &(struct scenario_means){.threads = 1}, &dem, &error),
+                     SCREE_OK);
     assert_int_equal(dem_advance(dem, 800000, &error), SCREE_OK);
     assert_int_equal(dem_advance(dem, DEM_REORDER_STEPS - 800000 % DEM_REORDER_STEPS + 1, &error), SCREE_OK);
     unsigned long before = memory_requests();
