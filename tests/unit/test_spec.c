@@ -326,7 +326,7 @@ static void cost_assumes_a_rate_of_each_kind(void **state)
     static const struct {
         const char *scenario;
         double rate;
-    } kinds[] = {{"incline", 1e8}, {"channel", 1e8}, {"chute", 1e7},    {"dam_break", 1e6}, {"hopper", 1e6},
+    } kinds[] = {{"incline", 3e7}, {"channel", 3e7}, {"chute", 1e7},    {"dam_break", 1e6}, {"hopper", 1e6},
                  {"settle", 1e6},  {"tilt", 2e6},    {"collapse", 2e6}, {"layer", 2e6}};
     for (size_t k = 0; k < COUNT(kinds); k++) {
         struct job_spec job;

@@ -301,7 +301,7 @@ static void cost_is_the_sum_of_the_trials(void **state)
     assert_true(cost.moving == 800);
     double work = cost.moving * cost.steps / (2 * 4e6 * (400 + 1200 + 800 + 2400));
     assert_true(work > 1 - 1e-12 && work < 1 + 1e-12);
-    assert_true(cost.rate == 1e8);
+    assert_true(cost.rate == 3e7);
     study_plan_free(&plan);
     /* Of kinds of different speed it is the time that is summed: 400 beads for a second, 100 bodies for one in 1e5 steps. */
     decoded("{\"study\":\"sweep\",\"job\":{\"scenario\":\"incline\",\"time\":{\"end_s\":1}},\"cases\":["
@@ -309,7 +309,7 @@ static void cost_is_the_sum_of_the_trials(void **state)
             "{\"scenario\":\"settle\",\"params.count\":100,\"time.step_s\":2.5e-6}]}",
             &plan);
     assert_int_equal(study_plan_check(&plan, 0, NULL, NULL, &cost, NULL), SCREE_OK);
-    double seconds = job_cost_seconds(&cost) / (400 * 4e6 / 1e8 + 100 * 4e5 / 1e6);
+    double seconds = job_cost_seconds(&cost) / (400 * 4e6 / 3e7 + 100 * 4e5 / 1e6);
     assert_true(seconds > 1 - 1e-9 && seconds < 1 + 1e-9);
     study_plan_free(&plan);
 }
