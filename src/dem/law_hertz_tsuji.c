@@ -116,26 +116,35 @@ static void hertz_tsuji_contact(const struct law_coefs *c, const struct meeting 
         ft = vec3_scale(ft, ft_cap / ft_size);
 
     /* Rolling, eq. 13. */
-    double arm1 = hertz_size(vec3_add(m->arm1, vec3_scale(n, reach1))), arm2 = hertz_size(vec3_sub(m->arm2, vec3_scale(n, reach2)));
-    double roll1 = rolling_factor(c->mu_r * press * arm1, hertz_size(m->spin1), m->turn1);
-    double roll2 = rolling_factor(c->mu_r * press * arm2, hertz_size(m->spin2), m->turn2);
+    struct vec3 arm1 = vec3_add(m->arm1, vec3_scale(n, reach1)), arm2 = vec3_sub(m->arm2, vec3_scale(n, reach2));
+    double roll1 = rolling_factor(c->mu_r * press * hertz_size(arm1), hertz_size(m->spin1), m->turn1);
+    double roll2 = rolling_factor(c->mu_r * press * hertz_size(arm2), hertz_size(m->spin2), m->turn2);
 
-    struct vec3 twist = vec3_cross(ft, n);
-    vec3_store(out->force, vec3_add(vec3_scale(n, fn), ft));
+    struct vec3 twist = vec3_cross(ft, n), force = vec3_add(vec3_scale(n, fn), ft);
+    vec3_store(out->force, force);
     vec3_store(out->torque1, vec3_sub(vec3_scale(twist, reach1), vec3_scale(m->spin1, roll1)));
     vec3_store(out->torque2, vec3_sub(vec3_scale(twist, reach2), vec3_scale(m->spin2, roll2)));
 
     if (loss) {
+        /* What resists motion works at the mean of the velocities before and after its kick: half of what the contact changes
+         * them by within the step, as if it were the bodies' only one and they were as light to turn as about their lightest
+         * axis. At the velocities before it alone, impacts at usual steps would seem to lose 3 % more than they do. */
+        struct vec3 spun1 = vec3_scale(vec3_add(vec3_cross(arm1, force), vec3_scale(m->spin1, roll1)), -0.5 * m->turn1);
+        struct vec3 spun2 = vec3_scale(vec3_sub(vec3_cross(arm2, force), vec3_scale(m->spin2, roll2)), 0.5 * m->turn2);
+        struct vec3 kick = vec3_sub(vec3_cross(spun1, arm1), vec3_cross(spun2, arm2));
+        kick = vec3_sub(kick, vec3_scale(force, 0.5 * (m->light1 + m->light2)));
+        double along = vec3_dot(kick, n);
+        struct vec3 mean = vec3_add(slide, vec3_sub(kick, vec3_scale(n, along)));
         /* Sliding: the work put in less what the spring gained; the spring's force is
          * followed by the trapezoid. It may be negative while the normal load grows,
          * for the spring then stiffens under an overlap it holds. */
         struct vec3 was = vec3_scale(slid_was, c->tangential * a_old), now = vec3_scale(slid, kt);
         double stored = 0.5 * (c->tangential * a_old) * vec3_dot(slid_was, slid_was), stores = 0.5 * kt * vec3_dot(slid, slid);
-        loss->normal = (fn - c->normal * a * m->overlap) * approach * dt;
-        loss->tangential =
-            (0.5 * vec3_dot(vec3_add(was, now), slide) + vec3_dot(vec3_sub(ft, now), slide)) * dt - (stores - stored);
+        loss->normal = (fn - c->normal * a * m->overlap) * (approach + along) * dt;
+        loss->tangential = (0.5 * vec3_dot(vec3_add(was, now), slide) + vec3_dot(vec3_sub(ft, now), mean)) * dt - (stores - stored);
         loss->torsion = 0;
-        loss->rolling = (roll1 * vec3_dot(m->spin1, m->spin1) + roll2 * vec3_dot(m->spin2, m->spin2)) * dt;
+        loss->rolling =
+            (roll1 * vec3_dot(m->spin1, vec3_add(m->spin1, spun1)) + roll2 * vec3_dot(m->spin2, vec3_add(m->spin2, spun2))) * dt;
     }
     vec3_store3(&contact[CONTACT_FT_X], slid);
     contact[CONTACT_FN] = fabs(fn);

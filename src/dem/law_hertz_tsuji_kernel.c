@@ -52,7 +52,7 @@ SIMD_INLINE void group(const struct law_coefs *c, const struct pair_batch *b, co
                   *const row3 = b->contact[p[3]];
     const v4 zero = {0}, one = v4_all(1.0), dt = v4_all(c->step);
     const struct grains g = grains_load(b, p);
-    const struct x3 x = g.x, velocity = g.velocity, spin1 = g.spin1, spin2 = g.spin2, arm1 = g.arm1, arm2 = g.arm2;
+    const struct x3 x = g.x, velocity = g.velocity, spin1 = g.spin1, spin2 = g.spin2;
     const v4 light1 = g.light1, light2 = g.light2, turn1 = g.turn1, turn2 = g.turn2;
     v4 mn_was, a_old, r, r1, r2;
     struct x3 slid_was = rows_load(row0, row1, row2, row3, &mn_was);
@@ -83,12 +83,12 @@ SIMD_INLINE void group(const struct law_coefs *c, const struct pair_batch *b, co
     v4 ft_size = lanes_size(ft);
     ft = x3_select((m4)(ft_size > ft_cap), x3_scale(ft, ft_cap / ft_size), ft);
 
-    v4 far1 = lanes_size(x3_add(arm1, x3_scale(n, reach1))), far2 = lanes_size(x3_sub(arm2, x3_scale(n, reach2)));
-    v4 roll1 = lanes_rolling(v4_all(c->mu_r) * press * far1, lanes_size(spin1), turn1);
-    v4 roll2 = lanes_rolling(v4_all(c->mu_r) * press * far2, lanes_size(spin2), turn2);
+    const struct x3 arm1 = x3_add(g.arm1, x3_scale(n, reach1)), arm2 = x3_sub(g.arm2, x3_scale(n, reach2));
+    v4 roll1 = lanes_rolling(v4_all(c->mu_r) * press * lanes_size(arm1), lanes_size(spin1), turn1);
+    v4 roll2 = lanes_rolling(v4_all(c->mu_r) * press * lanes_size(arm2), lanes_size(spin2), turn2);
 
-    struct x3 twist = x3_cross(ft, n);
-    rows_store(out[0]->force, out[1]->force, out[2]->force, out[3]->force, x3_add(x3_scale(n, fn), ft), zero);
+    struct x3 twist = x3_cross(ft, n), force = x3_add(x3_scale(n, fn), ft);
+    rows_store(out[0]->force, out[1]->force, out[2]->force, out[3]->force, force, zero);
     rows_store(out[0]->torque1, out[1]->torque1, out[2]->torque1, out[3]->torque1,
                x3_sub(x3_scale(twist, reach1), x3_scale(spin1, roll1)), zero);
     rows_store(out[0]->torque2, out[1]->torque2, out[2]->torque2, out[3]->torque2,
@@ -96,11 +96,17 @@ SIMD_INLINE void group(const struct law_coefs *c, const struct pair_batch *b, co
 
     if (ledger) {
         v4 kt_old = v4_all(c->tangential) * a_old, h = v4_all(0.5);
+        struct x3 spun1 = x3_scale(x3_add(x3_cross(arm1, force), x3_scale(spin1, roll1)), v4_all(-0.5) * turn1);
+        struct x3 spun2 = x3_scale(x3_sub(x3_cross(arm2, force), x3_scale(spin2, roll2)), h * turn2);
+        struct x3 kick = x3_sub(x3_cross(spun1, arm1), x3_cross(spun2, arm2));
+        kick = x3_sub(kick, x3_scale(force, h * (light1 + light2)));
+        v4 along = x3_dot(kick, n);
+        struct x3 mean = x3_add(slide, x3_sub(kick, x3_scale(n, along)));
         struct x3 was = x3_scale(slid_was, kt_old), now = x3_scale(slid, kt);
         v4 stored = h * kt_old * x3_dot(slid_was, slid_was), stores = h * kt * x3_dot(slid, slid);
-        v4 lost_n = (fn - normal * a * overlap) * approach * dt;
-        v4 lost_t = (h * x3_dot(x3_add(was, now), slide) + x3_dot(x3_sub(ft, now), slide)) * dt - (stores - stored);
-        v4 lost_r = (roll1 * x3_dot(spin1, spin1) + roll2 * x3_dot(spin2, spin2)) * dt;
+        v4 lost_n = (fn - normal * a * overlap) * (approach + along) * dt;
+        v4 lost_t = (h * x3_dot(x3_add(was, now), slide) + x3_dot(x3_sub(ft, now), mean)) * dt - (stores - stored);
+        v4 lost_r = (roll1 * x3_dot(spin1, x3_add(spin1, spun1)) + roll2 * x3_dot(spin2, x3_add(spin2, spun2))) * dt;
         rows_store(&loss[0]->normal, &loss[1]->normal, &loss[2]->normal, &loss[3]->normal, (struct x3){lost_n, lost_t, zero},
                    lost_r);
     }
