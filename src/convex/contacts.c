@@ -53,19 +53,25 @@ size_t convex_points(const struct convex *c, const struct pair *pair)
     return points;
 }
 
+static uint32_t number_pair(struct convex *c, struct pair *pair, uint32_t *to, uint32_t count)
+{
+    uint32_t slot = pair->slot, next;
+    if (slot != NO_CONTACT)
+        pair->slot = count;
+    for (; slot != NO_CONTACT; slot = next) {
+        next = c->contact[slot].next;
+        to[slot] = count++;
+        c->contact[slot].next = next == NO_CONTACT ? NO_CONTACT : count;
+    }
+    return count;
+}
+
 /* Gives the contacts of a list new numbers, in to[], from `count` on; pairs and chains have them at once. */
 static uint32_t number_anew(struct convex *c, struct list *list, uint32_t *to, uint32_t count)
 {
-    for (size_t k = 0; k < list->pairs; k++) {
-        uint32_t slot = list->pair[k].slot, next;
-        if (slot != NO_CONTACT)
-            list->pair[k].slot = count;
-        for (; slot != NO_CONTACT; slot = next) {
-            next = c->contact[slot].next;
-            to[slot] = count++;
-            c->contact[slot].next = next == NO_CONTACT ? NO_CONTACT : count;
-        }
-    }
+    for (size_t k = 0; k < list->groups; k++)
+        for (size_t p = 0; p < pairs_of(c, list, &list->group[k]); p++)
+            count = number_pair(c, &list->pair[list->group[k].first + p], to, count);
     return count;
 }
 

@@ -18,9 +18,9 @@ void convex_free(struct convex *c)
 {
     if (!c)
         return;
-    void *const owned[] = {c->shapes,    c->outlines,  c->own,      c->walls,   c->body,       c->corner,    c->celled,
-                           c->start,     c->found,     c->met,      c->travel,  c->near.group, c->near.pair, c->wall.group,
-                           c->wall.pair, c->old.group, c->old.pair, c->contact, c->spare};
+    void *const owned[] = {c->shapes,    c->outlines, c->own,        c->walls,      c->body,       c->corner,    c->celled,
+                           c->start,     c->found,    c->met,        c->travel,     c->near.group, c->near.pair, c->wall.group,
+                           c->wall.pair, c->old,      c->near.spare, c->wall.spare, c->contact,    c->spare};
     for (size_t k = 0; k < sizeof owned / sizeof *owned; k++)
         free(owned[k]);
     convex_frame_free(c->frame);
@@ -161,6 +161,11 @@ enum scree_status convex_create(const struct convex_setup *s, struct convex **ou
     if ((status = make_arrays(c, s, err)))
         goto out;
     c->ease = 1;
+    for (size_t k = 0; k < s->shape_count; k++) {
+        size_t most = c->shapes[k].parts * c->shapes[k].parts;
+        c->near.block = c->near.block > most ? c->near.block : most;
+    }
+    c->wall.block = c->corners;
     for (size_t k = 0; k < c->bodies; k++) {
         uint32_t shape = s->bodies[k].shape;
         make_body(&c->shapes[shape], &c->outlines[shape], &c->body[k]);
@@ -267,11 +272,12 @@ void convex_look(const struct convex *c, size_t body, struct convex_body *out)
 
 static void sum_contacts(const struct convex *c, const struct list *list, size_t *points, double *elastic)
 {
-    for (size_t k = 0; k < list->pairs; k++)
-        for (uint32_t slot = list->pair[k].slot; slot != NO_CONTACT; slot = c->contact[slot].next) {
-            ++*points;
-            *elastic += c->contact[slot].normal[3] * c->contact[slot].moment[3];
-        }
+    for (size_t k = 0; k < list->groups; k++)
+        for (size_t p = 0; p < pairs_of(c, list, &list->group[k]); p++)
+            for (uint32_t slot = list->pair[list->group[k].first + p].slot; slot != NO_CONTACT; slot = c->contact[slot].next) {
+                ++*points;
+                *elastic += c->contact[slot].normal[3] * c->contact[slot].moment[3];
+            }
 }
 
 struct convex_sums convex_sums(const struct convex *c)
@@ -305,6 +311,17 @@ static void mix(uint64_t *hash, const void *bytes, size_t count)
         *hash = (*hash ^ ((const unsigned char *)bytes)[k]) * 0x100000001b3U;
 }
 
+static void mix_contacts(const struct convex *c, const struct list *list, uint64_t *hash)
+{
+    for (size_t k = 0; k < list->groups; k++)
+        for (size_t p = 0; p < pairs_of(c, list, &list->group[k]); p++)
+            for (uint32_t slot = list->pair[list->group[k].first + p].slot; slot != NO_CONTACT; slot = c->contact[slot].next) {
+                mix(hash, c->contact[slot].slip, 3 * sizeof(double));
+                mix(hash, c->contact[slot].roll, 3 * sizeof(double));
+                mix(hash, c->contact[slot].normal, 3 * sizeof(double));
+            }
+}
+
 uint64_t convex_hash(const struct convex *c)
 {
     uint64_t hash = 0xcbf29ce484222325U;
@@ -315,29 +332,24 @@ uint64_t convex_hash(const struct convex *c)
         mix(&hash, b->orientation, sizeof b->orientation);
         mix(&hash, b->momentum, 3 * sizeof(double));
     }
-    const struct list *lists[] = {&c->near, &c->wall};
-    for (int l = 0; l < 2; l++)
-        for (size_t k = 0; k < lists[l]->pairs; k++)
-            for (uint32_t slot = lists[l]->pair[k].slot; slot != NO_CONTACT; slot = c->contact[slot].next) {
-                const struct contact *p = &c->contact[slot];
-                mix(&hash, p->slip, 3 * sizeof(double));
-                mix(&hash, p->roll, 3 * sizeof(double));
-                mix(&hash, p->normal, 3 * sizeof(double));
-            }
+    mix_contacts(c, &c->near, &hash);
+    mix_contacts(c, &c->wall, &hash);
     return hash;
 }
 
 struct convex_counts convex_counts(const struct convex *c)
 {
     struct convex_counts counts = c->counts;
-    const struct list *lists[] = {&c->near, &c->wall, &c->old};
+    const struct list *lists[] = {&c->near, &c->wall};
     counts.steps = c->step;
     counts.pairs = c->near.pairs;
     counts.bytes = c->first_wall * (sizeof *c->body + sizeof *c->travel) +
                    c->bodies * (3 * c->corners * sizeof *c->corner + sizeof *c->celled + sizeof *c->start) +
                    c->found_room * sizeof *c->found + c->contact_room * sizeof *c->contact + c->spare_room * sizeof *c->spare;
-    for (int l = 0; l < 3; l++)
-        counts.bytes += lists[l]->group_room * sizeof(struct group) + lists[l]->pair_room * sizeof(struct pair);
+    for (int l = 0; l < 2; l++)
+        counts.bytes += lists[l]->group_room * sizeof(struct group) + lists[l]->pair_room * sizeof(struct pair) +
+                        lists[l]->spare_room * sizeof(uint32_t);
+    counts.bytes += c->old_room * sizeof *c->old + c->met_room * sizeof *c->met;
     return counts;
 }
 

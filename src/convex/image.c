@@ -142,9 +142,31 @@ static bool sound_corner(const struct pair *p, size_t points)
 
 /* ---- both ways ---- */
 
+/* How far an image has been written. */
+struct writing {
+    const struct convex_image *image;
+    size_t group, pair, contact;
+};
+
+static void save_list(const struct convex *c, const struct list *list, struct writing *at)
+{
+    const struct convex_image *m = at->image;
+    for (size_t k = 0; k < list->groups; k++, at->group++) {
+        const struct group *g = &list->group[k];
+        m->group[at->group][0] = g->a;
+        m->group[at->group][1] = g->b;
+        m->group_due[at->group] = g->due;
+        for (const struct pair *p = list->pair + g->first; p < list->pair + g->first + pairs_of(c, list, g); p++, at->pair++) {
+            m->pair_due[at->pair] = p->due;
+            save_pair(c, p, m->who[at->pair]);
+            for (uint32_t slot = p->slot; slot != NO_CONTACT; slot = c->contact[slot].next)
+                save_contact(&c->contact[slot], m->contact[at->contact++]);
+        }
+    }
+}
+
 enum scree_status convex_save(const struct convex *c, struct convex_image *image, struct scree_error *err)
 {
-    const struct list *lists[] = {&c->near, &c->wall};
     struct convex_image m = {.scalars = {.bodies = c->bodies,
                                          .near = c->near.groups,
                                          .wall = c->wall.groups,
@@ -175,20 +197,9 @@ enum scree_status convex_save(const struct convex *c, struct convex_image *image
     }
     for (size_t k = 0; k < c->bodies; k++)
         save_body(&c->body[k], c->travel[k], m.body[k]);
-    for (size_t l = 0, group = 0, pair = 0, contact = 0; l < 2; l++) {
-        for (size_t k = 0; k < lists[l]->groups; k++, group++) {
-            m.group[group][0] = lists[l]->group[k].a;
-            m.group[group][1] = lists[l]->group[k].b;
-            m.group_due[group] = lists[l]->group[k].due;
-        }
-        for (size_t k = 0; k < lists[l]->pairs; k++, pair++) {
-            const struct pair *p = &lists[l]->pair[k];
-            m.pair_due[pair] = p->due;
-            save_pair(c, p, m.who[pair]);
-            for (uint32_t slot = p->slot; slot != NO_CONTACT; slot = c->contact[slot].next)
-                save_contact(&c->contact[slot], m.contact[contact++]);
-        }
-    }
+    struct writing at = {&m, 0, 0, 0};
+    save_list(c, &c->near, &at);
+    save_list(c, &c->wall, &at);
     return SCREE_OK;
 }
 
@@ -207,15 +218,16 @@ static enum scree_status load_pairs(struct convex *c, struct reading *r, struct 
                                     struct scree_error *err)
 {
     const struct composite *a = c->body[g->a].shape, *b = wall ? NULL : c->body[g->b].shape;
-    size_t count = wall ? c->body[g->a].outline->corners : a->parts * b->parts;
-    enum scree_status status = convex_list_room(list, list->groups, list->pairs + count, err);
-    g = &list->group[list->groups - 1];
-    g->first = (uint32_t)list->pairs;
+    size_t count = pairs_of(c, list, g);
+    enum scree_status status = convex_take_block(list, g, err);
+    if (status)
+        return status;
+    list->pairs += count;
     if (r->pair + count > r->image->scalars.pairs)
         return damaged("pairs are missing", err);
     for (size_t k = 0; k < count && !status; k++, r->pair++) {
-        struct pair *p = &list->pair[list->pairs++];
-        *p = (struct pair){.due = r->image->pair_due[r->pair], .slot = NO_CONTACT};
+        struct pair *p = &list->pair[g->first + k];
+        p->due = r->image->pair_due[r->pair];
         size_t points = load_pair(r->image->who[r->pair], p);
         if (wall ? !sound_corner(p, points) : !sound_pair(p, points, &a->part[k / b->parts], &b->part[k % b->parts]))
             return damaged("a pair of parts", err);
@@ -234,9 +246,9 @@ static enum scree_status load_list(struct convex *c, struct reading *r, size_t c
                                    struct scree_error *err)
 {
     enum scree_status status = SCREE_OK;
-    list->groups = list->pairs = 0;
+    list->groups = list->pairs = list->blocks = list->spares = 0;
     for (size_t k = 0; k < count && !status; k++, r->group++) {
-        if ((status = convex_list_room(list, list->groups + 1, list->pairs, err)))
+        if ((status = convex_list_room(list, list->groups + 1, err)))
             break;
         const uint32_t *who = r->image->group[r->group];
         struct group *g = &list->group[list->groups++];

@@ -25,68 +25,67 @@ static int compare(const struct group *a, const struct group *b)
     return a->b < b->b ? -1 : a->b > b->b;
 }
 
-enum scree_status convex_list_room(struct list *list, size_t groups, size_t pairs, struct scree_error *err)
+enum scree_status convex_list_room(struct list *list, size_t groups, struct scree_error *err)
 {
-    if (pairs >= NO_CONTACT)
-        return scree_fail(err, SCREE_NO_MEMORY, NULL, "too many parts of bodies are near each other: %zu pairs", pairs);
-    enum scree_status status = memory_grow((void **)&list->group, &list->group_room, groups, sizeof *list->group, err);
-    return status ? status : memory_grow((void **)&list->pair, &list->pair_room, pairs, sizeof *list->pair, err);
+    return memory_grow((void **)&list->group, &list->group_room, groups, sizeof *list->group, err);
 }
 
-static enum scree_status add(struct list *list, uint32_t a, uint32_t b, struct scree_error *err)
+enum scree_status convex_take_block(struct list *list, struct group *g, struct scree_error *err)
 {
-    enum scree_status status = convex_list_room(list, list->groups + 1, 0, err);
-    if (!status)
-        list->group[list->groups++] = (struct group){.a = a, .b = b};
-    return status;
-}
-
-static size_t pairs_of(const struct convex *c, const struct list *list, const struct group *g)
-{
-    return list == &c->wall ? c->body[g->a].outline->corners : pairs_between(&c->body[g->a], &c->body[g->b]);
-}
-
-/* Takes over what the old list knew of the same bodies; contacts of those that are no longer near, as with a gate that has
- * gone, end. */
-static enum scree_status carry_over(struct convex *c, struct list *list, struct list *old, struct scree_error *err)
-{
-    size_t pairs = 0, o = 0;
-    for (size_t k = 0; k < list->groups; k++)
-        pairs += pairs_of(c, list, &list->group[k]);
-    enum scree_status status = convex_list_room(list, list->groups, pairs, err);
-    if (status)
-        return status;
-    list->pairs = 0;
-    for (size_t k = 0; k < list->groups; k++) {
-        struct group *g = &list->group[k];
-        size_t count = pairs_of(c, list, g);
-        for (; o < old->groups && compare(&old->group[o], g) < 0; o++)
-            for (size_t p = 0; p < pairs_of(c, list, &old->group[o]); p++)
-                convex_part(c, &old->pair[old->group[o].first + p]);
-        bool known = o < old->groups && compare(&old->group[o], g) == 0;
-        struct pair *to = &list->pair[list->pairs];
-        if (known)
-            memcpy(to, &old->pair[old->group[o].first], count * sizeof *to);
-        else
-            for (size_t p = 0; p < count; p++)
-                to[p] = (struct pair){.slot = NO_CONTACT};
-        if (known)
-            *g = old->group[o++];
-        g->first = (uint32_t)list->pairs;
-        list->pairs += count;
+    if (list->spares == 0) {
+        size_t pairs = (list->blocks + 1) * list->block;
+        if (pairs >= NO_CONTACT)
+            return scree_fail(err, SCREE_NO_MEMORY, NULL, "too many parts of bodies are near each other: %zu pairs", pairs);
+        enum scree_status status = memory_grow((void **)&list->pair, &list->pair_room, pairs, sizeof *list->pair, err);
+        if (status || (status = memory_grow((void **)&list->spare, &list->spare_room, list->blocks + 1, sizeof *list->spare, err)))
+            return status;
+        list->spare[list->spares++] = (uint32_t)(list->block * list->blocks++);
     }
-    for (; o < old->groups; o++)
-        for (size_t p = 0; p < pairs_of(c, list, &old->group[o]); p++)
-            convex_part(c, &old->pair[old->group[o].first + p]);
+    g->first = list->spare[--list->spares];
+    for (size_t k = 0; k < list->block; k++)
+        list->pair[g->first + k] = (struct pair){.slot = NO_CONTACT};
     return SCREE_OK;
 }
 
-static void swap(struct list *list, struct list *old)
+static void give_back(struct convex *c, struct list *list, const struct group *g)
 {
-    struct list kept = *list;
-    *list = *old;
-    *old = kept;
-    list->groups = list->pairs = 0;
+    for (size_t k = 0; k < list->block; k++)
+        convex_part(c, &list->pair[g->first + k]);
+    list->spare[list->spares++] = g->first; // there is room for all
+}
+
+/* Takes over what the `olds` groups that were listed before knew of the same bodies; contacts of those that are no longer near,
+ * as with a gate that has gone, end. */
+static enum scree_status carry_over(struct convex *c, struct list *list, size_t olds, struct scree_error *err)
+{
+    enum scree_status status = SCREE_OK;
+    size_t o = 0;
+    list->pairs = 0;
+    for (size_t k = 0; k < list->groups && !status; k++) {
+        struct group *g = &list->group[k];
+        for (; o < olds && compare(&c->old[o], g) < 0; o++)
+            give_back(c, list, &c->old[o]);
+        if (o < olds && compare(&c->old[o], g) == 0)
+            *g = c->old[o++];
+        else
+            status = convex_take_block(list, g, err);
+        list->pairs += pairs_of(c, list, g);
+    }
+    for (; o < olds; o++)
+        give_back(c, list, &c->old[o]);
+    return status;
+}
+
+/* Empties a list into c->old; returns how many groups it had. */
+static enum scree_status set_aside(struct convex *c, struct list *list, size_t *olds, struct scree_error *err)
+{
+    *olds = list->groups;
+    enum scree_status status = memory_grow((void **)&c->old, &c->old_room, list->groups, sizeof *c->old, err);
+    if (status || list->groups == 0)
+        return status;
+    memcpy(c->old, list->group, list->groups * sizeof *c->old);
+    list->groups = 0;
+    return SCREE_OK;
 }
 
 /* ---- margins ---- */
@@ -231,7 +230,7 @@ static void sort_row(struct group *row, size_t count)
 static enum scree_status find_near(struct convex *c, struct scree_error *err)
 {
     enum scree_status status = find_pairs(c, err);
-    if (status || (status = convex_list_room(&c->near, c->founds, 0, err)))
+    if (status || (status = convex_list_room(&c->near, c->founds, err)))
         return status;
     memset(c->start, 0, (c->bodies + 1) * sizeof *c->start);
     for (size_t k = 0; k < c->founds; k++)
@@ -245,6 +244,14 @@ static enum scree_status find_near(struct convex *c, struct scree_error *err)
     return SCREE_OK;
 }
 
+static enum scree_status add_wall(struct convex *c, uint32_t body, uint32_t wall, struct scree_error *err)
+{
+    enum scree_status status = convex_list_room(&c->wall, c->wall.groups + 1, err);
+    if (!status)
+        c->wall.group[c->wall.groups++] = (struct group){.a = body, .b = wall};
+    return status;
+}
+
 static enum scree_status find_walls(struct convex *c, struct scree_error *err)
 {
     enum scree_status status = SCREE_OK;
@@ -255,20 +262,19 @@ static enum scree_status find_walls(struct convex *c, struct scree_error *err)
             struct vec3 from = vec3_sub(vec3_load(body->position), vec3_load(c->walls[w].point));
             double far = vec3_dot(from, vec3_load(c->walls[w].normal)), reach = body->shape->reach + body->listed[3];
             if (far <= reach && gate.stands && !(gate.partial && far < -reach)) // which has another side
-                status = add(&c->wall, a, w, err);
+                status = add_wall(c, a, w, err);
         }
     return status;
 }
 
 enum scree_status convex_rebuild(struct convex *c, struct scree_error *err)
 {
+    size_t olds;
     set_margins(c);
-    swap(&c->near, &c->old);
-    enum scree_status status = find_near(c, err);
-    if (status || (status = carry_over(c, &c->near, &c->old, err)))
-        return status;
-    swap(&c->wall, &c->old);
-    if ((status = find_walls(c, err)) || (status = carry_over(c, &c->wall, &c->old, err)))
+    enum scree_status status = set_aside(c, &c->near, &olds, err);
+    if (status || (status = find_near(c, err)) || (status = carry_over(c, &c->near, olds, err)) ||
+        (status = set_aside(c, &c->wall, &olds, err)) || (status = find_walls(c, err)) ||
+        (status = carry_over(c, &c->wall, olds, err)))
         return status;
     convex_tidy(c);
     c->counts.rebuilds++;

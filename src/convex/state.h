@@ -65,11 +65,16 @@ struct group {
     double due; // as that of a pair: the least of them
 };
 
+/* Groups and blocks of pairs: a group keeps its block for as long as it is listed. */
 struct list {
     struct group *group; // in the order of a, then b
     size_t groups, group_room;
     struct pair *pair;
-    size_t pairs, pair_room;
+    size_t pairs;            // of all groups
+    size_t block, pair_room; // pairs in a block: the most that a group has
+    size_t blocks;           // in use and free
+    uint32_t *spare;         // where blocks that are free begin, the last first
+    size_t spares, spare_room;
 };
 
 /* A body in a cell, and two that are near each other: what making lists needs. */
@@ -92,10 +97,12 @@ struct convex {
     struct convex_wall *walls;
     struct body *body; // bodies, filled up to a multiple of four by ones that nothing moves, then walls as such
     size_t bodies, first_wall;
-    double *travel;              // of each body: no point of it has moved farther since t = 0, m
-    double *corner;              // of all bodies, from their centres along the axes of space, m: see corners_of
-    size_t corners;              // the most that a shape has
-    struct list near, wall, old; // old: the list that is being replaced
+    double *travel; // of each body: no point of it has moved farther since t = 0, m
+    double *corner; // of all bodies, from their centres along the axes of space, m: see corners_of
+    size_t corners; // the most that a shape has
+    struct list near, wall;
+    struct group *old; // groups of the list that is being replaced
+    size_t old_room;
     struct contact *contact;
     size_t contacts, contact_room; // in use and free
     uint32_t *spare;               // slots that are free, the last first
@@ -139,6 +146,10 @@ static inline size_t pairs_between(const struct body *a, const struct body *b)
 {
     return a->shape->parts * b->shape->parts;
 }
+static inline size_t pairs_of(const struct convex *c, const struct list *list, const struct group *g)
+{
+    return list == &c->wall ? c->body[g->a].outline->corners : pairs_between(&c->body[g->a], &c->body[g->b]);
+}
 
 /* What each contact of a group counts. */
 static inline double share_of(const struct convex *c, const struct group *g)
@@ -163,7 +174,9 @@ size_t convex_points(const struct convex *convex, const struct pair *pair);
 
 /* Makes the lists anew; contacts keep their memory. */
 enum scree_status convex_rebuild(struct convex *convex, struct scree_error *err);
-enum scree_status convex_list_room(struct list *list, size_t groups, size_t pairs, struct scree_error *err);
+/* Makes room for groups, and gives one a block of pairs that know nothing. */
+enum scree_status convex_list_room(struct list *list, size_t groups, struct scree_error *err);
+enum scree_status convex_take_block(struct list *list, struct group *group, struct scree_error *err);
 
 /* Forces and torques of all contacts and of gravity. */
 enum scree_status convex_forces(struct convex *convex, struct scree_error *err);
