@@ -18,9 +18,9 @@ void convex_free(struct convex *c)
 {
     if (!c)
         return;
-    void *const owned[] = {c->shapes,    c->outlines,  c->own,        c->walls,     c->body,
-                           c->corner,    c->order,     c->near.group, c->near.pair, c->wall.group,
-                           c->wall.pair, c->old.group, c->old.pair,   c->contact,   c->spare};
+    void *const owned[] = {c->shapes,    c->outlines, c->own,        c->walls,      c->body,       c->corner,    c->celled,
+                           c->start,     c->found,    c->met,        c->travel,     c->near.group, c->near.pair, c->wall.group,
+                           c->wall.pair, c->old,      c->near.spare, c->wall.spare, c->contact,    c->spare};
     for (size_t k = 0; k < sizeof owned / sizeof *owned; k++)
         free(owned[k]);
     convex_frame_free(c->frame);
@@ -70,7 +70,7 @@ static void make_body(const struct composite *shape, const struct outline *outli
 {
     *b = (struct body){.shape = shape, .outline = outline, .orientation = {1, 0, 0, 0}};
     if (!shape)
-        return; // fills up the last four
+        return; // fills up the last four, or is a wall
     for (int i = 0; i < 3; i++)
         b->inverse[i] = 1 / shape->inertia[i];
     b->inverse[3] = shape->reach;
@@ -90,9 +90,9 @@ static void set_body(const struct convex_body *from, struct body *b)
     convex_look_around(b);
 }
 
-static size_t filled_up(size_t corners)
+static size_t filled_up(size_t count)
 {
-    return (corners + 3) / 4 * 4;
+    return (count + 3) / 4 * 4;
 }
 
 /* Outlines of all shapes, one after the other; NULL memory is left to the caller to see. */
@@ -117,26 +117,28 @@ static void make_outlines(struct convex *c, size_t shapes)
                     own[i * o->corners + o->from[p] + k] = part->vertex[k < part->vertices ? k : 0][i];
         }
         o->own = own;
+        o->ball = c->shapes[s].parts == 1 && c->shapes[s].part->vertices == 1 && vec3_square(c->shapes[s].part->vertex[0]) == 0;
         at += o->corners;
         c->corners = c->corners > o->corners ? c->corners : o->corners;
     }
 }
-
-enum { SKIN_SHARE = 12 }; // of the smallest reach
 
 static enum scree_status make_arrays(struct convex *c, const struct convex_setup *s, struct scree_error *err)
 {
     c->shapes = memory_rows(s->shape_count, sizeof *c->shapes);
     c->outlines = memory_rows(s->shape_count, sizeof *c->outlines);
     c->walls = memory_rows(s->wall_count, sizeof *c->walls);
-    c->body = memory_rows((c->bodies + 3) / 4 * 4, sizeof *c->body);
-    c->order = memory_rows(c->bodies, sizeof *c->order);
+    c->first_wall = filled_up(c->bodies);
+    c->body = memory_rows(c->first_wall + s->wall_count, sizeof *c->body);
+    c->travel = memory_rows(c->first_wall, sizeof *c->travel);
+    c->celled = memory_rows(c->bodies, sizeof *c->celled);
+    c->start = memory_rows(c->bodies + 2, sizeof *c->start);
     if (c->shapes && c->outlines) {
         memcpy(c->shapes, s->shapes, s->shape_count * sizeof *c->shapes);
         make_outlines(c, s->shape_count);
     }
     c->corner = memory_rows(c->bodies, 3 * c->corners * sizeof *c->corner);
-    if (!c->shapes || !c->outlines || !c->own || !c->walls || !c->body || !c->order || !c->corner)
+    if (!c->shapes || !c->outlines || !c->own || !c->walls || !c->body || !c->travel || !c->celled || !c->start || !c->corner)
         return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for a world of %zu bodies", c->bodies);
     if (s->wall_count > 0)
         memcpy(c->walls, s->walls, s->wall_count * sizeof *c->walls);
@@ -158,15 +160,18 @@ enum scree_status convex_create(const struct convex_setup *s, struct convex **ou
     c->bodies = s->body_count;
     if ((status = make_arrays(c, s, err)))
         goto out;
-    c->skin = INFINITY;
+    c->ease = 1;
+    for (size_t k = 0; k < s->shape_count; k++) {
+        size_t most = c->shapes[k].parts * c->shapes[k].parts;
+        c->near.block = c->near.block > most ? c->near.block : most;
+    }
+    c->wall.block = c->corners;
     for (size_t k = 0; k < c->bodies; k++) {
         uint32_t shape = s->bodies[k].shape;
         make_body(&c->shapes[shape], &c->outlines[shape], &c->body[k]);
         set_body(&s->bodies[k], &c->body[k]);
-        c->order[k] = (uint32_t)k;
-        c->skin = fmin(c->skin, c->shapes[shape].reach / SKIN_SHARE);
     }
-    for (size_t k = c->bodies; k % 4 != 0; k++)
+    for (size_t k = c->bodies; k < c->first_wall + s->wall_count; k++)
         make_body(NULL, NULL, &c->body[k]);
     if (!(status = convex_rebuild(c, err)))
         status = convex_forces(c, err);
@@ -181,18 +186,18 @@ out:
 static enum scree_status not_finite(const struct convex *c, struct scree_error *err)
 {
     size_t k = 0;
-    while (k + 1 < c->bodies && isfinite(c->body[k].position[3]))
+    while (k + 1 < c->bodies && isfinite(c->travel[k]))
         k++;
     return scree_fail(err, SCREE_BLOWUP, NULL, "step %llu: body %zu's motion is no longer finite", (unsigned long long)c->step, k);
 }
 
 static enum scree_status step(struct convex *c, struct scree_error *err)
 {
-    double way2 = c->kernels->move(c);
-    if (!isfinite(way2))
+    double beyond = c->kernels->move(c);
+    if (!isfinite(beyond))
         return not_finite(c, err);
     c->step++;
-    enum scree_status status = way2 > 0.25 * c->skin * c->skin ? convex_rebuild(c, err) : SCREE_OK;
+    enum scree_status status = beyond > 0 ? convex_rebuild(c, err) : SCREE_OK;
     if (status || (status = convex_forces(c, err)))
         return status;
     c->kernels->kick(c);
@@ -267,11 +272,12 @@ void convex_look(const struct convex *c, size_t body, struct convex_body *out)
 
 static void sum_contacts(const struct convex *c, const struct list *list, size_t *points, double *elastic)
 {
-    for (size_t k = 0; k < list->pairs; k++)
-        for (uint32_t slot = list->pair[k].slot; slot != NO_CONTACT; slot = c->contact[slot].next) {
-            ++*points;
-            *elastic += c->contact[slot].elastic * c->contact[slot].share;
-        }
+    for (size_t k = 0; k < list->groups; k++)
+        for (size_t p = 0; p < pairs_of(c, list, &list->group[k]); p++)
+            for (uint32_t slot = list->pair[list->group[k].first + p].slot; slot != NO_CONTACT; slot = c->contact[slot].next) {
+                ++*points;
+                *elastic += c->contact[slot].normal[3] * c->contact[slot].moment[3];
+            }
 }
 
 struct convex_sums convex_sums(const struct convex *c)
@@ -305,6 +311,17 @@ static void mix(uint64_t *hash, const void *bytes, size_t count)
         *hash = (*hash ^ ((const unsigned char *)bytes)[k]) * 0x100000001b3U;
 }
 
+static void mix_contacts(const struct convex *c, const struct list *list, uint64_t *hash)
+{
+    for (size_t k = 0; k < list->groups; k++)
+        for (size_t p = 0; p < pairs_of(c, list, &list->group[k]); p++)
+            for (uint32_t slot = list->pair[list->group[k].first + p].slot; slot != NO_CONTACT; slot = c->contact[slot].next) {
+                mix(hash, c->contact[slot].slip, 3 * sizeof(double));
+                mix(hash, c->contact[slot].roll, 3 * sizeof(double));
+                mix(hash, c->contact[slot].normal, 3 * sizeof(double));
+            }
+}
+
 uint64_t convex_hash(const struct convex *c)
 {
     uint64_t hash = 0xcbf29ce484222325U;
@@ -315,24 +332,24 @@ uint64_t convex_hash(const struct convex *c)
         mix(&hash, b->orientation, sizeof b->orientation);
         mix(&hash, b->momentum, 3 * sizeof(double));
     }
-    const struct list *lists[] = {&c->near, &c->wall};
-    for (int l = 0; l < 2; l++)
-        for (size_t k = 0; k < lists[l]->pairs; k++)
-            for (uint32_t slot = lists[l]->pair[k].slot; slot != NO_CONTACT; slot = c->contact[slot].next)
-                mix(&hash, &c->contact[slot].memory, sizeof(struct spring_memory));
+    mix_contacts(c, &c->near, &hash);
+    mix_contacts(c, &c->wall, &hash);
     return hash;
 }
 
 struct convex_counts convex_counts(const struct convex *c)
 {
     struct convex_counts counts = c->counts;
-    const struct list *lists[] = {&c->near, &c->wall, &c->old};
+    const struct list *lists[] = {&c->near, &c->wall};
     counts.steps = c->step;
     counts.pairs = c->near.pairs;
-    counts.bytes = (c->bodies + 3) / 4 * 4 * sizeof *c->body + c->bodies * (3 * c->corners * sizeof *c->corner + sizeof *c->order) +
-                   c->contact_room * sizeof *c->contact + c->spare_room * sizeof *c->spare;
-    for (int l = 0; l < 3; l++)
-        counts.bytes += lists[l]->group_room * sizeof(struct group) + lists[l]->pair_room * sizeof(struct pair);
+    counts.bytes = c->first_wall * (sizeof *c->body + sizeof *c->travel) +
+                   c->bodies * (3 * c->corners * sizeof *c->corner + sizeof *c->celled + sizeof *c->start) +
+                   c->found_room * sizeof *c->found + c->contact_room * sizeof *c->contact + c->spare_room * sizeof *c->spare;
+    for (int l = 0; l < 2; l++)
+        counts.bytes += lists[l]->group_room * sizeof(struct group) + lists[l]->pair_room * sizeof(struct pair) +
+                        lists[l]->spare_room * sizeof(uint32_t);
+    counts.bytes += c->old_room * sizeof *c->old + c->met_room * sizeof *c->met;
     return counts;
 }
 

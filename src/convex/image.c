@@ -33,7 +33,7 @@ static struct vec3 take3(const double **row)
     return v;
 }
 
-static void save_body(const struct body *b, double row[CONVEX_IMAGE_BODY])
+static void save_body(const struct body *b, double travel, double row[CONVEX_IMAGE_BODY])
 {
     double *at = row;
     put3(&at, vec3_load(b->position));
@@ -44,10 +44,11 @@ static void save_body(const struct body *b, double row[CONVEX_IMAGE_BODY])
     put3(&at, vec3_load(b->force));
     put3(&at, vec3_load(b->torque));
     put3(&at, vec3_load(b->listed));
-    *at = b->position[3];
+    *at++ = b->listed[3];
+    *at = travel;
 }
 
-static bool load_body(const double row[CONVEX_IMAGE_BODY], struct body *b)
+static bool load_body(const double row[CONVEX_IMAGE_BODY], struct body *b, double *travel)
 {
     const double *at = row;
     for (int k = 0; k < CONVEX_IMAGE_BODY; k++)
@@ -61,7 +62,8 @@ static bool load_body(const double row[CONVEX_IMAGE_BODY], struct body *b)
     vec3_store3(b->force, take3(&at));
     vec3_store3(b->torque, take3(&at));
     vec3_store3(b->listed, take3(&at));
-    b->position[3] = *at;
+    b->listed[3] = *at++;
+    *travel = *at;
     b->placed = 0;
     convex_look_around(b);
     return fabs(quat_norm2(quat_load(b->orientation)) - 1) < 1e-6;
@@ -102,31 +104,25 @@ static size_t load_pair(const uint32_t who[CONVEX_IMAGE_WHO], struct pair *p)
 
 static void save_contact(const struct contact *p, double row[CONVEX_IMAGE_CONTACT])
 {
+    const double *const vectors[] = {p->slip, p->roll, p->normal, p->point, p->force, p->moment};
     double *at = row;
-    put3(&at, p->memory.slip);
-    put3(&at, p->memory.torque);
-    put3(&at, p->memory.normal);
-    put3(&at, p->point);
-    put3(&at, p->result.force);
-    put3(&at, p->result.torque);
-    const double rest[] = {p->result.normal, p->elastic, p->share, p->result.slides, p->result.rolls};
+    for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++)
+        put3(&at, vec3_load(vectors[k]));
+    const double rest[] = {p->force[3], p->normal[3], p->moment[3], p->slides, p->rolls};
     memcpy(at, rest, sizeof rest);
 }
 
 static void load_contact(const double row[CONVEX_IMAGE_CONTACT], struct contact *p)
 {
+    double *const vectors[] = {p->slip, p->roll, p->normal, p->point, p->force, p->moment};
     const double *at = row;
-    p->memory.slip = take3(&at);
-    p->memory.torque = take3(&at);
-    p->memory.normal = take3(&at);
-    p->point = take3(&at);
-    p->result.force = take3(&at);
-    p->result.torque = take3(&at);
-    p->result.normal = at[0];
-    p->elastic = at[1];
-    p->share = at[2];
-    p->result.slides = at[3] != 0;
-    p->result.rolls = at[4] != 0;
+    for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++)
+        vec3_store3(vectors[k], take3(&at));
+    p->force[3] = at[0];
+    p->normal[3] = at[1];
+    p->moment[3] = at[2];
+    p->slides = at[3] != 0;
+    p->rolls = at[4] != 0;
 }
 
 /* Whether the corners and faces that two parts remember are there. */
@@ -146,9 +142,31 @@ static bool sound_corner(const struct pair *p, size_t points)
 
 /* ---- both ways ---- */
 
+/* How far an image has been written. */
+struct writing {
+    const struct convex_image *image;
+    size_t group, pair, contact;
+};
+
+static void save_list(const struct convex *c, const struct list *list, struct writing *at)
+{
+    const struct convex_image *m = at->image;
+    for (size_t k = 0; k < list->groups; k++, at->group++) {
+        const struct group *g = &list->group[k];
+        m->group[at->group][0] = g->a;
+        m->group[at->group][1] = g->b;
+        m->group_due[at->group] = g->due;
+        for (const struct pair *p = list->pair + g->first; p < list->pair + g->first + pairs_of(c, list, g); p++, at->pair++) {
+            m->pair_due[at->pair] = p->due;
+            save_pair(c, p, m->who[at->pair]);
+            for (uint32_t slot = p->slot; slot != NO_CONTACT; slot = c->contact[slot].next)
+                save_contact(&c->contact[slot], m->contact[at->contact++]);
+        }
+    }
+}
+
 enum scree_status convex_save(const struct convex *c, struct convex_image *image, struct scree_error *err)
 {
-    const struct list *lists[] = {&c->near, &c->wall};
     struct convex_image m = {.scalars = {.bodies = c->bodies,
                                          .near = c->near.groups,
                                          .wall = c->wall.groups,
@@ -158,6 +176,8 @@ enum scree_status convex_save(const struct convex *c, struct convex_image *image
                                          .queries = c->counts.queries,
                                          .searches = c->counts.searches,
                                          .rebuilds = c->counts.rebuilds,
+                                         .listed_at = c->listed_at,
+                                         .ease = c->ease,
                                          .base_steps = c->base_steps,
                                          .gravity_work = c->gravity_work}};
     memcpy(m.scalars.gravity, c->setup.gravity, sizeof m.scalars.gravity);
@@ -176,21 +196,10 @@ enum scree_status convex_save(const struct convex *c, struct convex_image *image
         return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for a copy of %zu bodies", c->bodies);
     }
     for (size_t k = 0; k < c->bodies; k++)
-        save_body(&c->body[k], m.body[k]);
-    for (size_t l = 0, group = 0, pair = 0, contact = 0; l < 2; l++) {
-        for (size_t k = 0; k < lists[l]->groups; k++, group++) {
-            m.group[group][0] = lists[l]->group[k].a;
-            m.group[group][1] = lists[l]->group[k].b;
-            m.group_due[group] = lists[l]->group[k].due;
-        }
-        for (size_t k = 0; k < lists[l]->pairs; k++, pair++) {
-            const struct pair *p = &lists[l]->pair[k];
-            m.pair_due[pair] = p->due;
-            save_pair(c, p, m.who[pair]);
-            for (uint32_t slot = p->slot; slot != NO_CONTACT; slot = c->contact[slot].next)
-                save_contact(&c->contact[slot], m.contact[contact++]);
-        }
-    }
+        save_body(&c->body[k], c->travel[k], m.body[k]);
+    struct writing at = {&m, 0, 0, 0};
+    save_list(c, &c->near, &at);
+    save_list(c, &c->wall, &at);
     return SCREE_OK;
 }
 
@@ -209,15 +218,16 @@ static enum scree_status load_pairs(struct convex *c, struct reading *r, struct 
                                     struct scree_error *err)
 {
     const struct composite *a = c->body[g->a].shape, *b = wall ? NULL : c->body[g->b].shape;
-    size_t count = wall ? c->body[g->a].outline->corners : a->parts * b->parts;
-    enum scree_status status = convex_list_room(list, list->groups, list->pairs + count, err);
-    g = &list->group[list->groups - 1];
-    g->first = (uint32_t)list->pairs;
+    size_t count = pairs_of(c, list, g);
+    enum scree_status status = convex_take_block(list, g, err);
+    if (status)
+        return status;
+    list->pairs += count;
     if (r->pair + count > r->image->scalars.pairs)
         return damaged("pairs are missing", err);
     for (size_t k = 0; k < count && !status; k++, r->pair++) {
-        struct pair *p = &list->pair[list->pairs++];
-        *p = (struct pair){.due = r->image->pair_due[r->pair], .slot = NO_CONTACT};
+        struct pair *p = &list->pair[g->first + k];
+        p->due = r->image->pair_due[r->pair];
         size_t points = load_pair(r->image->who[r->pair], p);
         if (wall ? !sound_corner(p, points) : !sound_pair(p, points, &a->part[k / b->parts], &b->part[k % b->parts]))
             return damaged("a pair of parts", err);
@@ -236,9 +246,9 @@ static enum scree_status load_list(struct convex *c, struct reading *r, size_t c
                                    struct scree_error *err)
 {
     enum scree_status status = SCREE_OK;
-    list->groups = list->pairs = 0;
+    list->groups = list->pairs = list->blocks = list->spares = 0;
     for (size_t k = 0; k < count && !status; k++, r->group++) {
-        if ((status = convex_list_room(list, list->groups + 1, list->pairs, err)))
+        if ((status = convex_list_room(list, list->groups + 1, err)))
             break;
         const uint32_t *who = r->image->group[r->group];
         struct group *g = &list->group[list->groups++];
@@ -259,6 +269,8 @@ enum scree_status convex_load(const struct convex_image *image, const struct con
     struct convex *c = NULL;
     if (s->bodies != setup->body_count)
         return damaged("it has another number of bodies", err);
+    if (!(s->ease >= 1 && s->ease <= CONVEX_EASE_MAX))
+        return damaged("the width of margins", err);
     enum scree_status status = convex_create(setup, &c, err);
     if (status)
         return status;
@@ -266,6 +278,8 @@ enum scree_status convex_load(const struct convex_image *image, const struct con
     c->counts.queries = s->queries;
     c->counts.searches = s->searches;
     c->counts.rebuilds = s->rebuilds;
+    c->listed_at = s->listed_at;
+    c->ease = s->ease;
     c->base_steps = s->base_steps;
     c->gravity_work = s->gravity_work;
     c->base = vec3_load(s->base);
@@ -273,7 +287,7 @@ enum scree_status convex_load(const struct convex_image *image, const struct con
     memcpy(c->setup.gravity, s->gravity, sizeof c->setup.gravity);
     c->contacts = c->spares = 0;
     for (size_t k = 0; k < c->bodies && !status; k++)
-        if (!load_body(image->body[k], &c->body[k]))
+        if (!load_body(image->body[k], &c->body[k], &c->travel[k]))
             status = damaged("the state of a body", err);
     if (!status && !(status = load_list(c, &r, s->near, false, &c->near, err)) &&
         !(status = load_list(c, &r, s->wall, true, &c->wall, err)) && (r.pair != s->pairs || r.contact != s->contacts))

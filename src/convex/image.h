@@ -8,13 +8,13 @@
 
 #include "convex/convex.h"
 
-enum { CONVEX_IMAGE_BODY = 23, CONVEX_IMAGE_WHO = 4, CONVEX_IMAGE_CONTACT = 23 }; // numbers a body, a pair, a contact
+enum { CONVEX_IMAGE_BODY = 24, CONVEX_IMAGE_WHO = 4, CONVEX_IMAGE_CONTACT = 23 }; // numbers a body, a pair, a contact
 
 struct convex_scalars {
     uint64_t bodies, near, wall; // wall: bodies by walls
     uint64_t pairs, contacts;
-    uint64_t step, queries, searches, rebuilds, base_steps;
-    double gravity[3], base[3], based[3], gravity_work;
+    uint64_t step, queries, searches, rebuilds, listed_at, base_steps;
+    double ease, gravity[3], base[3], based[3], gravity_work;
 };
 
 /* Owned by whoever made it; what is near walls follows what is near other bodies. */

@@ -9,8 +9,8 @@
 struct convex;
 
 struct convex_kernels {
-    /* First half kick and drift of all bodies; returns the square of the farthest way that a centre has come since lists
-     * were made, m2, or NaN when a motion is no longer finite. */
+    /* First half kick and drift of all bodies; returns more than 0 when a centre has left its margin since lists were
+     * made, or NaN when a motion is no longer finite. */
     double (*move)(struct convex *convex);
     void (*kick)(struct convex *convex); // the second half
     /* Contacts between bodies, and with walls, and what bodies feel of them. */

@@ -109,23 +109,23 @@ static void show_contact(const struct convex *c, const struct group *g, const st
 {
     const struct spring_pair *law = wall ? &c->setup.at_wall : &c->setup.between;
     const struct body *a = &c->body[g->a], *b = wall ? NULL : &c->body[g->b];
-    struct vec3 force = vec3_scale(p->result.force, p->share), torque = vec3_scale(p->result.torque, p->share);
-    struct vec3 closing = body_velocity_at(a, p->point);
+    struct vec3 force = vec3_scale(vec3_load(p->force), p->moment[3]), torque = vec3_scale(vec3_load(p->moment), p->moment[3]);
+    struct vec3 point = vec3_load(p->point), normal = vec3_load(p->normal), closing = body_velocity_at(a, point);
     *v = (struct view_contact){.a = g->a,
                                .b = wall ? VIEW_WALL + g->b : g->b,
                                .on_base = wall && g->b == 0,
-                               .overlap = sqrt(2 * p->elastic / law->stiffness),
-                               .force_normal = p->result.normal * p->share,
-                               .elastic = p->elastic * p->share};
+                               .overlap = sqrt(2 * p->normal[3] / law->stiffness),
+                               .force_normal = p->force[3] * p->moment[3],
+                               .elastic = p->normal[3] * p->moment[3]};
     if (b)
-        closing = vec3_sub(closing, body_velocity_at(b, p->point));
-    vec3_store3(v->normal, p->memory.normal);
-    vec3_store3(v->point, p->point);
-    v->approach = vec3_dot(closing, p->memory.normal);
+        closing = vec3_sub(closing, body_velocity_at(b, point));
+    vec3_store3(v->normal, normal);
+    vec3_store3(v->point, point);
+    v->approach = vec3_dot(closing, normal);
     vec3_store3(v->force, vec3_scale(force, -1));
-    vec3_store3(v->torque_a, vec3_add(torque, vec3_cross(vec3_sub(p->point, vec3_load(a->position)), force)));
+    vec3_store3(v->torque_a, vec3_add(torque, vec3_cross(vec3_sub(point, vec3_load(a->position)), force)));
     if (b)
-        vec3_store3(v->torque_b, vec3_scale(vec3_add(torque, vec3_cross(vec3_sub(p->point, vec3_load(b->position)), force)), -1));
+        vec3_store3(v->torque_b, vec3_scale(vec3_add(torque, vec3_cross(vec3_sub(point, vec3_load(b->position)), force)), -1));
 }
 
 static size_t show_contacts(const struct convex *c, const struct list *list, bool wall, struct view_contact *to)

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Velocity Verlet, four bodies side by side; compiled once per instruction set. */
+#include <math.h>
+
 #include "base/spinning4.h"
 #include "convex/state.h"
 
@@ -60,11 +62,12 @@ SIMD_INLINE v4 farthest(struct x3 velocity, v4 spin2, v4 reach, v4 dt)
     return dt * (v4_sqrt(x3_dot(velocity, velocity)) + spin * (v4_all(1) + v4_all(2) * spin * dt) * reach);
 }
 
-/* Returns the squares of how far the four centres are from where they were listed; adds what gravity does to *work. */
-SIMD_INLINE v4 four_move(struct body *b, v4 dt, struct x3 gravity, v4 *work)
+/* Returns by how much the squares of the ways from where the four centres were listed are beyond their margins'; adds what gravity
+ * does to *work. */
+SIMD_INLINE v4 four_move(struct body *b, double *travelled, v4 dt, struct x3 gravity, v4 *work)
 {
-    v4 travel, light, mass, reach, unused, half = v4_all(0.5) * dt;
-    struct x3 position = rows_of(READ(b, position), &travel), velocity = rows_of(READ(b, velocity), &light);
+    v4 travel = v4_load(travelled), light, mass, reach, margin, unused, half = v4_all(0.5) * dt;
+    struct x3 position = rows_of(READ(b, position), &unused), velocity = rows_of(READ(b, velocity), &light);
     struct x3 inverse = rows_of(READ(b, inverse), &reach);
     struct turn4 turn = turn_load(b);
     struct spinning4 s;
@@ -80,7 +83,8 @@ SIMD_INLINE v4 four_move(struct body *b, v4 dt, struct x3 gravity, v4 *work)
     spin = own_spin(s.momentum, inverse);
     travel = travel + farthest(velocity, v4_max(spin2, x3_dot(spin, spin)), reach, dt);
     turn = turn_of(&s);
-    rows_to(ROWS(b, position), position, travel);
+    v4_store(travelled, travel);
+    rows_to(ROWS(b, position), position, v4_all(0));
     rows_to(ROWS(b, velocity), velocity, light);
     rows_to(ROWS(b, orientation), (struct x3){s.w, s.x, s.y}, s.z);
     rows_to(ROWS(b, momentum), s.momentum, mass);
@@ -88,18 +92,18 @@ SIMD_INLINE v4 four_move(struct body *b, v4 dt, struct x3 gravity, v4 *work)
     rows_to(ROWS(b, axis[0]), turn.x, v4_all(0));
     rows_to(ROWS(b, axis[1]), turn.y, v4_all(0));
     rows_to(ROWS(b, axis[2]), turn.z, v4_all(0));
-    struct x3 way = x3_sub(position, rows_of(READ(b, listed), &unused));
-    return x3_dot(way, way) + (travel - travel); // NaN where the travel is no number
+    struct x3 way = x3_sub(position, rows_of(READ(b, listed), &margin));
+    return x3_dot(way, way) - margin * margin + (travel - travel); // NaN where the travel is no number
 }
 
 static double move(struct convex *c)
 {
     const struct x3 gravity = {v4_all(c->setup.gravity[0]), v4_all(c->setup.gravity[1]), v4_all(c->setup.gravity[2])};
-    v4 far2 = {0}, sound = {0}, work = {0};
+    v4 far2 = v4_all(-INFINITY), sound = {0}, work = {0};
     for (size_t k = 0; k < c->bodies; k += 4) {
-        v4 way2 = four_move(&c->body[k], v4_all(c->setup.step_s), gravity, &work);
-        far2 = v4_max(far2, way2);
-        sound = sound + (way2 - way2);
+        v4 over2 = four_move(&c->body[k], &c->travel[k], v4_all(c->setup.step_s), gravity, &work);
+        far2 = v4_max(far2, over2);
+        sound = sound + (over2 - over2);
     }
     c->gravity_work += (work[0] + work[1]) + (work[2] + work[3]);
     double most = far2[0];

@@ -7,6 +7,7 @@
 
 #include "base/memory.h"
 #include "convex/image.h"
+#include "geom/patch.h"
 #include "scenario/rigid.h"
 #include "world/kind.h"
 
@@ -162,7 +163,8 @@ static enum scree_status load(const struct world_image *image, const struct worl
         return world_image_damaged("bodies", err);
     memcpy(&c.scalars, scalars, sizeof c.scalars);
     const struct convex_scalars *s = &c.scalars;
-    if (s->bodies > UINT32_MAX || s->near > UINT32_MAX || s->wall > UINT32_MAX || s->pairs > UINT32_MAX || s->contacts > s->pairs)
+    if (s->bodies > UINT32_MAX || s->near > UINT32_MAX || s->wall > UINT32_MAX || s->pairs > UINT32_MAX ||
+        s->contacts / PATCH_POINTS_MAX > s->pairs)
         return world_image_damaged("bodies", err);
     c.body = world_image_need(image, "body", ARRAY_REAL, s->bodies * CONVEX_IMAGE_BODY);
     c.group = world_image_need(image, "group", ARRAY_U32, (s->near + s->wall) * 2);

@@ -7,6 +7,7 @@
 #include "base/cpu.h"
 #include "base/rng.h"
 #include "convex/image.h"
+#include "geom/gjk.h"
 
 static struct scree_error error;
 
@@ -346,6 +347,72 @@ static void slices_do_not_show(void **state)
     }
 }
 
+/* How deep two bodies are in each other by GJK from nowhere, over all their parts, m; below 0 apart. */
+static double depth_of(const struct convex_body *a, const struct convex_body *b)
+{
+    double depth = -INFINITY;
+    for (size_t p = 0; p < shape.parts; p++)
+        for (size_t q = 0; q < shape.parts; q++) {
+            const struct composite_part *of_a = &shape.part[p], *of_b = &shape.part[q];
+            struct gjk_core x = {of_a->vertex, of_a->vertices, quat_turn(quat_load(a->orientation)), vec3_load(a->position)};
+            struct gjk_core y = {of_b->vertex, of_b->vertices, quat_turn(quat_load(b->orientation)), vec3_load(b->position)};
+            struct gjk_cache none = {0};
+            struct gjk_result r;
+            assert_int_equal(gjk_distance(&x, &y, &none, &r), GJK_APART);
+            depth = fmax(depth, of_a->radius + of_b->radius - r.distance);
+        }
+    return depth;
+}
+
+/* All pairs of bodies against what the world says: lists, budgets, spheres around bodies and corners that are tried first
+ * leave out nothing that touches, and measure it as GJK does. Returns how many touch. */
+static size_t compare_with_all_pairs(struct convex *c, size_t count)
+{
+    double deepest[BODIES_MAX][BODIES_MAX] = {{0}};
+    int points[BODIES_MAX][BODIES_MAX] = {{0}};
+    struct view view;
+    size_t touching = 0;
+    assert_int_equal(convex_view(c, &view, &error), SCREE_OK);
+    for (size_t k = 0; k < view.contacts; k++) {
+        const struct view_contact *v = &view.contact[k];
+        if (v->b >= VIEW_WALL)
+            continue;
+        deepest[v->a][v->b] = fmax(deepest[v->a][v->b], v->overlap);
+        points[v->a][v->b]++;
+    }
+    for (size_t a = 0; a < count; a++)
+        for (size_t b = a + 1; b < count; b++) {
+            struct convex_body x, y;
+            convex_look(c, a, &x);
+            convex_look(c, b, &y);
+            double depth = depth_of(&x, &y);
+            touching += depth > 0;
+            /* Faces that lie flat press along a face's normal, from which the shortest way may differ. */
+            if (fabs(fmax(depth, 0) - deepest[a][b]) > 1e-12 + (points[a][b] > 1 ? 1e-2 * depth : 0))
+                fail_msg("bodies %zu and %zu are %.12g m deep in each other, not %.12g", a, b, depth, deepest[a][b]);
+        }
+    return touching;
+}
+
+static void nothing_that_touches_is_missed(void **state)
+{
+    (void)state;
+    for (int round = 0; round < 2; round++) {
+        size_t touching = 0;
+        struct convex_setup setup = heap(32);
+        if (round)
+            assert_int_equal(composite_sphere(6e-3, 770, &shape, &error), SCREE_OK);
+        struct convex *c = world(&setup);
+        for (int k = 0; k < 120; k++) {
+            run(c, 501);
+            touching += compare_with_all_pairs(c, 32);
+        }
+        if (touching < (round ? 50 : 100))
+            fail_msg("%zu touched", touching);
+        convex_free(c);
+    }
+}
+
 /* What is deeper than its crusts is said, with both bodies' numbers, and never a force. */
 static void too_deep_is_reported(void **state)
 {
@@ -372,6 +439,7 @@ int main(void)
         cmocka_unit_test(flat_contacts_keep_their_bits),
         cmocka_unit_test(a_hole_opens_in_a_wall),
         cmocka_unit_test(slices_do_not_show),
+        cmocka_unit_test(nothing_that_touches_is_missed),
         cmocka_unit_test(too_deep_is_reported),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -7,7 +7,7 @@
 
 #include "base/rng.h"
 #include "convex/contact_parameters.h"
-#include "convex/law_spring_memory.h"
+#include "convex/law_spring_memory4.h"
 
 static struct scree_error error;
 
@@ -224,13 +224,84 @@ static void rolling_rocks_and_saturates(void **state)
     assert_true(r.torque.z == 0);
 }
 
+static struct vec3 random_vector(struct rng *rng, double size)
+{
+    return (struct vec3){rng_uniform(rng, -size, size), rng_uniform(rng, -size, size), rng_uniform(rng, -size, size)};
+}
+
+static struct vec3 random_normal(struct rng *rng)
+{
+    struct vec3 n = random_vector(rng, 1);
+    return vec3_scale(n, 1 / sqrt(vec3_dot(n, n)));
+}
+
+static void same_bits(struct x3 four, int lane, struct vec3 one)
+{
+    const double a[3] = {four.x[lane], four.y[lane], four.z[lane]}, b[3] = {one.x, one.y, one.z};
+    if (memcmp(a, b, sizeof a) != 0)
+        fail_msg("%.17g %.17g %.17g are not %.17g %.17g %.17g", a[0], a[1], a[2], b[0], b[1], b[2]);
+}
+
+/* Four contacts side by side have the bits of the plain law, new ones, those that flip over and those at rest among them. */
+static void four_contacts_have_the_bits_of_one(void **state)
+{
+    (void)state;
+    struct rng rng = rng_start(7, 11);
+    size_t slid = 0, rolled = 0;
+    for (int k = 0; k < 20000; k++) {
+        const struct spring_pair pair = {1e5, 0.5, k % 5 ? 300 : 0, 0.2, 0.46, 0.1, 1e-3, k % 3 ? 0.2 : 0, 1e-3, k % 2};
+        struct spring_memory memory[4];
+        struct spring_motion motion[4];
+        struct spring_memory4 memories;
+        struct spring_motion4 motions;
+        for (int l = 0; l < 4; l++) {
+            int kind = (k + l) % 7;
+            struct vec3 n = random_normal(&rng);
+            memory[l] = (struct spring_memory){random_vector(&rng, 1e-3), random_vector(&rng, 1e-3), n};
+            motion[l] = (struct spring_motion){rng_uniform(&rng, 0, 1e-4), n, random_vector(&rng, 10), random_vector(&rng, 10)};
+            if (kind == 0)
+                memory[l] = (struct spring_memory){.slip = {0, 0, 0}};
+            else if (kind == 1)
+                memory[l].normal = vec3_scale(n, -1);
+            else if (kind == 2)
+                motion[l].velocity = motion[l].spin = memory[l].slip = memory[l].torque = (struct vec3){0, 0, 0};
+            else if (kind < 5)
+                motion[l].normal = random_normal(&rng);
+            const struct vec3 of[6] = {memory[l].slip,   memory[l].torque,   memory[l].normal,
+                                       motion[l].normal, motion[l].velocity, motion[l].spin};
+            struct x3 *const to[6] = {&memories.slip,  &memories.torque,  &memories.normal,
+                                      &motions.normal, &motions.velocity, &motions.spin};
+            for (int i = 0; i < 6; i++)
+                to[i]->x[l] = of[i].x, to[i]->y[l] = of[i].y, to[i]->z[l] = of[i].z;
+            motions.overlap[l] = motion[l].overlap;
+        }
+        struct spring_result4 four = spring_memory_step4(&pair, &motions, 1e-6, &memories);
+        for (int l = 0; l < 4; l++) {
+            struct spring_result one = spring_memory_step(&pair, &motion[l], 1e-6, &memory[l]);
+            same_bits(four.force, l, one.force);
+            same_bits(four.torque, l, one.torque);
+            same_bits(memories.slip, l, memory[l].slip);
+            same_bits(memories.torque, l, memory[l].torque);
+            same_bits(memories.normal, l, memory[l].normal);
+            assert_true(four.normal[l] == one.normal && !four.slides[l] == !one.slides && !four.rolls[l] == !one.rolls);
+            slid += one.slides, rolled += one.rolls;
+        }
+    }
+    assert_true(slid > 1000 && slid < 79000 && rolled > 1000 && rolled < 79000);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(hopper_spheres_have_table_2), cmocka_unit_test(crosses_have_the_stiffness_of_an_impact_on_a_wall),
-        cmocka_unit_test(limits_are_as_recomputed),    cmocka_unit_test(impacts_have_their_restitution_and_overlap),
-        cmocka_unit_test(block_rests_or_slides),       cmocka_unit_test(friction_is_continuous_when_it_sticks_again),
-        cmocka_unit_test(memory_follows_the_plane),    cmocka_unit_test(rolling_rocks_and_saturates),
+        cmocka_unit_test(hopper_spheres_have_table_2),
+        cmocka_unit_test(crosses_have_the_stiffness_of_an_impact_on_a_wall),
+        cmocka_unit_test(limits_are_as_recomputed),
+        cmocka_unit_test(impacts_have_their_restitution_and_overlap),
+        cmocka_unit_test(block_rests_or_slides),
+        cmocka_unit_test(friction_is_continuous_when_it_sticks_again),
+        cmocka_unit_test(memory_follows_the_plane),
+        cmocka_unit_test(rolling_rocks_and_saturates),
+        cmocka_unit_test(four_contacts_have_the_bits_of_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
