@@ -93,11 +93,14 @@ static double line_slope(const struct line *l)
     return scatter > 1e-12 * l->n * l->xx ? (l->n * l->xy - l->x * l->y) / scatter : NAN;
 }
 
-/* Blocks "$pPK" of panel P and kind K: beta, mobility, ends of the bar. Returns the line through the compact ones. */
+/* Blocks "$pPK" of panel P and kind K: beta, mobility, ends of the bar. Returns the line through the compact ones, none
+ * where all are of one size and mass: the scatter of one flow's realisations is no line. */
 static struct line write_panel(struct picture *p, const cJSON *table, int which, int counts[KINDS])
 {
     const struct panel *panel = &panels[which];
     struct line line = {0};
+    double first[2] = {NAN, NAN};
+    bool several = false;
     for (int k = 0; k < KINDS; k++) {
         const cJSON *row;
         fprintf(p->script, "$p%d%d << EOD\n", which, k);
@@ -111,12 +114,16 @@ static struct line write_panel(struct picture *p, const cJSON *table, int which,
             fprintf(p->script, "%.9g %.9g %.9g %.9g\n", beta, mobility, cell(table, row, "mobility_lower", mobility),
                     cell(table, row, "mobility_upper", mobility));
             counts[k]++;
-            if (k == COMPACT)
-                line_add(&line, beta, mobility);
+            if (k != COMPACT)
+                continue;
+            double size = cell(table, row, "params.size_m", 0), mass = cell(table, row, "params.mass_g", 0);
+            several |= line.n > 0 && (size != first[0] || mass != first[1]);
+            first[0] = size, first[1] = mass;
+            line_add(&line, beta, mobility);
         }
         fprintf(p->script, "EOD\n");
     }
-    return line;
+    return several ? line : (struct line){0};
 }
 
 void plot_mobility_draw(struct picture *p, const cJSON *table)

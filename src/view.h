@@ -45,6 +45,8 @@ struct view_formation {
     double tangential[3]; // relative velocity of the surfaces across the normal, spins included, m/s
 };
 
+struct trimesh;
+
 struct view {
     double time_s, step_s;
     uint64_t step;
@@ -64,7 +66,8 @@ struct view {
     const double (*corner)[4];
     size_t contacts;
     const struct view_contact *contact;
-    double base_force[3]; // of the flow on fixed grains and floor at this step, N
+    const struct trimesh *base_mesh; // the wall of triangles that counts as the base; NULL: there is none
+    double base_force[3];            // of the flow on fixed grains and floor at this step, N
     /* Ledger since the start, J; dissipated parts are zero unless the world keeps a ledger. */
     double gravity_work;
     double dissipated_normal, dissipated_tangential, dissipated_torsion, dissipated_rolling;

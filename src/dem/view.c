@@ -105,6 +105,15 @@ static void view_walls(struct dem *dem, const struct part *part, struct view *vi
     }
 }
 
+/* The first surface that counts as the base. */
+static const struct trimesh *base_mesh(const struct dem *dem)
+{
+    for (size_t k = 0; dem->mesh && k < dem->mesh->count; k++)
+        if (dem->mesh->surface[k].base)
+            return dem->mesh->surface[k].mesh;
+    return NULL;
+}
+
 static void view_mesh(struct dem *dem, const struct mesh_part *part, struct view *view)
 {
     for (size_t k = 0; k < part->contact_count; k++) {
@@ -153,6 +162,7 @@ enum scree_status dem_view(struct dem *dem, struct view *view, struct scree_erro
                           .spin = (const double(*)[4])dem->view_spin,
                           .contact = dem->view_contacts,
                           .gravity_work = dem->motion->potential(dem) - dem->start_potential + dem->wrapped_work,
+                          .base_mesh = base_mesh(dem),
                           .dissipated_normal = dem->lost[0],
                           .dissipated_tangential = dem->lost[1],
                           .dissipated_torsion = dem->lost[2],

@@ -83,21 +83,17 @@ static size_t flow_chunk(const struct measure_context *context)
 static enum scree_status first(void *state, struct measure_context *context, const struct measure_now *now, struct scree_error *err)
 {
     struct flow_state *s = state;
-    struct trimesh *mesh = NULL;
-    uint8_t *is_accelerator = NULL;
-    double(*rows)[WALL_COLUMNS] = NULL;
-    enum scree_status status = chute_mesh(&context->site.fall.chute, &mesh, &is_accelerator, err);
-    if (!status && !(rows = memory_rows(mesh->triangles, sizeof *rows)))
-        status = scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for %zu triangles", mesh->triangles);
-    for (size_t t = 0; !status && t < mesh->triangles; t++) {
+    const struct trimesh *mesh = now->grains->base_mesh;
+    double(*rows)[WALL_COLUMNS] = memory_rows(mesh->triangles, sizeof *rows);
+    if (!rows)
+        return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for %zu triangles", mesh->triangles);
+    for (size_t t = 0; t < mesh->triangles; t++) {
         for (int c = 0; c < 3; c++)
             memcpy(&rows[t][3 * c], mesh->vertex[mesh->corner[t][c]], 3 * sizeof(double));
-        rows[t][WALL_COLUMNS - 1] = is_accelerator[t];
+        rows[t][WALL_COLUMNS - 1] = rows[t][0] + rows[t][3] + rows[t][6] < 0; // upslope of the join
     }
-    if (!status)
-        status = series_put_frame(&s->series[WALLS], context->sink, now->grains->time_s, rows[0], mesh->triangles, err);
-    trimesh_free(mesh);
-    free(is_accelerator);
+    enum scree_status status =
+        series_put_frame(&s->series[WALLS], context->sink, now->grains->time_s, rows[0], mesh->triangles, err);
     free(rows);
     return status;
 }

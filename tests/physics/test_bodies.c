@@ -174,6 +174,50 @@ static void a_cube_rests_on_a_plane(void **state)
     dem_free(dem);
 }
 
+/* Whether a cube of edge a, laid on a plane with its spheres of a / (2 n), falls over when the plane is tilted. */
+static bool tips(int n, double rolling, double slope)
+{
+    const double a = 3e-3, step = 5e-6, g = 9.81;
+    struct fragment_spec matter = fragment_igneous;
+    struct clump shapes[3];
+    struct law_coefs c;
+    struct scree_error error;
+    make_shapes(a, shapes);
+    must(clump_block((double[3]){a, a, a}, a / (2 * n), 2700, &shapes[0], &error), &error);
+    matter.softening = 1000;
+    matter.clast_chute.rolling = rolling;
+    law_hertz_tsuji.coefs(&matter, FRAGMENT_CHUTE, step, &c);
+    double weight = shapes[0].mass * g * cos(slope), overlap = pow(weight / (n * n) / (c.normal * sqrt(a / (2 * n))), 2.0 / 3.0);
+    const struct dem_body body = {.position = {0, 0, a / 2 - overlap}, .orientation = {1, 0, 0, 0}};
+    const struct dem_wall floor = {.normal = {0, 0, 1}, .base = true, .partner = FRAGMENT_CHUTE};
+    struct dem_setup setup = setup_of(shapes, &body, 1, &matter, step);
+    setup.walls = &floor;
+    setup.wall_count = 1;
+    setup.gravity[0] = g * sin(slope);
+    setup.gravity[2] = -g * cos(slope);
+    struct dem *dem = make(&setup);
+    advance(dem, 40000);
+    double turned = look(dem).body[0].orientation[0]; // cosine of half the angle
+    dem_free(dem);
+    return turned < cos(0.5 * 20 * M_PI / 180);
+}
+
+/* What touches is the spheres, not the polyhedron: a cube stands up to the slope b / h of its outer spheres' distance from
+ * the middle, a (n - 1) / 2 n, over half its height, which is 26.6 degrees for two spheres along an edge and 36.9 for four, and
+ * 45 for the cube it stands for. Rolling friction adds some mu_r d / h, d from the centre to the contacts. */
+static void a_cube_stands_on_its_outer_spheres(void **state)
+{
+    (void)state;
+    for (int n = 2; n <= 4; n += 2) {
+        double foot = (n - 1.0) / n, far = sqrt(1 + 2 * foot * foot);
+        for (int k = 0; k < 2; k++) {
+            double rolling = k ? 0.07 : 0, steepest = atan(foot + rolling * far);
+            assert_false(tips(n, rolling, steepest - 0.02));
+            assert_true(tips(n, rolling, steepest + 0.02));
+        }
+    }
+}
+
 /* ---- a heap of fragments ---- */
 
 enum { SIDE = 3, HEAP = SIDE * SIDE * 8 };
@@ -376,6 +420,7 @@ int main(void)
         cmocka_unit_test(a_thrown_fragment_flies_its_parabola_and_tumbles_for_ever),
         cmocka_unit_test(a_tumbling_pair_keeps_momentum_and_angular_momentum),
         cmocka_unit_test(a_cube_rests_on_a_plane),
+        cmocka_unit_test(a_cube_stands_on_its_outer_spheres),
         cmocka_unit_test(momentum_of_a_heap_balances_at_every_step),
         cmocka_unit_test(lists_hold_every_touching_pair),
         cmocka_unit_test(the_ledger_of_a_heap_closes),

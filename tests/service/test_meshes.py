@@ -59,6 +59,8 @@ class Meshes(Client):
         kept = os.path.join(self.folder, "data", "meshes", mesh["sha256"])
         with open(kept, "rb") as file:
             self.assertEqual(file.read(), self.trough)
+        shown = self.put(daemon.control, self.trough)["triangles"]
+        self.assertEqual(record["streams"]["walls"]["samples"], shown)  # pictures show this wall, not the built one
         # The spec as it was resolved is enough: no file, the same job.
         again = daemon.control.ask("submit", {"spec": record["spec"]})
         self.assertEqual((again["job"], again["reused"]), (job, True))
