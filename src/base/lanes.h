@@ -39,6 +39,21 @@ SIMD_INLINE struct x3 x3_select(m4 mask, struct x3 yes, struct x3 no)
     return (struct x3){v4_select(mask, yes.x, no.x), v4_select(mask, yes.y, no.y), v4_select(mask, yes.z, no.z)};
 }
 
+/* Shortens to `cap` what is longer, and says where that was. Roots and quotients
+ * are a large part of what contact laws take: where all four are shorter, by more
+ * than rounding can be, neither is taken. */
+SIMD_INLINE m4 x3_cap(struct x3 *v, v4 cap)
+{
+    v4 squared = x3_dot(*v, *v);
+    m4 longer = (m4)(squared > cap * cap * v4_all(1 - 1e-12));
+    if (!m4_bits(longer))
+        return longer;
+    v4 size = v4_sqrt(squared);
+    longer = (m4)(size > cap);
+    *v = x3_select(longer, x3_scale(*v, cap / size), *v);
+    return longer;
+}
+
 /* Elements 0..2 of four rows as a vector a lane, element 3 apart. */
 SIMD_INLINE struct x3 rows_load(const double *r0, const double *r1, const double *r2, const double *r3, v4 *fourth)
 {

@@ -45,9 +45,7 @@ SIMD_INLINE struct x3 friction4(const struct spring_pair *p, struct x3 velocity,
     *slip = x3_add(*slip, x3_scale(velocity, step_s));
     struct x3 viscous = x3_scale(velocity, v4_all(p->damping_t));
     struct x3 force = x3_scale(x3_add(x3_scale(*slip, v4_all(p->stiffness_t)), viscous), v4_all(-1));
-    v4 limit = v4_all(p->friction) * v4_abs(normal), size = v4_sqrt(x3_dot(force, force));
-    *slides = size > limit;
-    force = x3_select(*slides, x3_scale(force, limit / size), force);
+    *slides = x3_cap(&force, v4_all(p->friction) * v4_abs(normal));
     if (p->stiffness_t > 0)
         *slip = x3_select(*slides, x3_scale(x3_add(force, viscous), v4_all(-1 / p->stiffness_t)), *slip);
     return force;
@@ -59,10 +57,8 @@ SIMD_INLINE struct x3 rolling4(const struct spring_pair *p, struct x3 spin, v4 n
     if (!(p->rolling_friction > 0))
         return (struct x3){v4_all(0), v4_all(0), v4_all(0)};
     *spring = x3_sub(*spring, x3_scale(spin, v4_all(p->stiffness_r) * step_s));
-    v4 limit = v4_all(p->rolling_friction * p->radius) * v4_abs(normal), size = v4_sqrt(x3_dot(*spring, *spring));
-    *rolls = size > limit;
     struct x3 damped = x3_sub(*spring, x3_scale(spin, v4_all(p->damping_r)));
-    *spring = x3_select(*rolls, x3_scale(*spring, limit / size), *spring);
+    *rolls = x3_cap(spring, v4_all(p->rolling_friction * p->radius) * v4_abs(normal));
     return x3_select(*rolls, *spring, damped);
 }
 

@@ -16,21 +16,6 @@ SIMD_INLINE v4 lanes_spring(v4 force_squared, v4 stiffness)
     return v4_select((m4)(stiffness > zero), force_squared / (v4_all(2.0) * stiffness), zero);
 }
 
-/* Shortens to `cap` what is longer, and says where that was. Roots and quotients
- * are half of this kernel's time: where all four are shorter, by more than
- * rounding can be, neither is taken. */
-SIMD_INLINE m4 lanes_cap(struct x3 *force, v4 cap)
-{
-    v4 squared = x3_dot(*force, *force);
-    m4 longer = (m4)(squared > cap * cap * v4_all(1 - 1e-12));
-    if (!m4_bits(longer))
-        return longer;
-    v4 size = v4_sqrt(squared);
-    longer = (m4)(size > cap);
-    *force = x3_select(longer, x3_scale(*force, cap / size), *force);
-    return longer;
-}
-
 /* From the first grain to the second, and how the first moves against it; spins of both. */
 struct pair_motion {
     struct x3 x, velocity, spin1, spin2;
@@ -93,7 +78,7 @@ SIMD_INLINE void group(const struct law_coefs *c, const struct pair_batch *b, co
     ft_e = x3_add(x3_scale(ft_e, ratio), x3_scale(slide, kt * dt));
     struct x3 viscous = x3_scale(slide, v4_all(c->beta) * kt);
     struct x3 ft = x3_add(ft_e, viscous);
-    m4 slip = lanes_cap(&ft, v4_all(c->mu_t) * fn_size);
+    m4 slip = x3_cap(&ft, v4_all(c->mu_t) * fn_size);
     ft_e = x3_select(slip, x3_sub(ft, viscous), ft_e);
 
     struct x3 spin = x3_sub(spin1, spin2);
@@ -112,7 +97,7 @@ SIMD_INLINE void group(const struct law_coefs *c, const struct pair_batch *b, co
     mr_e = x3_add(x3_scale(mr_e, v4_select(loading, one, fn_size / fn_old)), x3_scale(roll, kr * dt));
     struct x3 drag = x3_scale(roll, v4_all(c->beta_r) * kr);
     struct x3 mr = x3_add(mr_e, drag);
-    m4 rolls = lanes_cap(&mr, v4_all(c->mu_r) * fn_size * r);
+    m4 rolls = x3_cap(&mr, v4_all(c->mu_r) * fn_size * r);
     mr_e = x3_select(rolls, x3_sub(mr, drag), mr_e);
 
     struct x3 arm = x3_cross(ft, n);

@@ -80,8 +80,7 @@ SIMD_INLINE void group(const struct law_coefs *c, const struct pair_batch *b, co
     v4 spring = kt * lanes_size(slid), ft_cap = v4_all(c->mu_t) * press;
     slid = x3_select((m4)(spring > ft_cap), x3_scale(slid, ft_cap / spring), slid);
     struct x3 ft = x3_add(x3_scale(slid, kt), x3_scale(slide, drag));
-    v4 ft_size = lanes_size(ft);
-    ft = x3_select((m4)(ft_size > ft_cap), x3_scale(ft, ft_cap / ft_size), ft);
+    x3_cap(&ft, ft_cap);
 
     const struct x3 arm1 = x3_add(g.arm1, x3_scale(n, reach1)), arm2 = x3_sub(g.arm2, x3_scale(n, reach2));
     v4 roll1 = lanes_rolling(v4_all(c->mu_r) * press * lanes_size(arm1), lanes_size(spin1), turn1);
