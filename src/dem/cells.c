@@ -28,6 +28,8 @@ void cells_free(struct cells *cells)
     free(cells->row);
     free(cells->image);
     free(cells->cell);
+    free(cells->ways);
+    free(cells->wide);
     free(cells);
 }
 

@@ -17,6 +17,8 @@ struct cells {
     int8_t (*image)[4]; // boxes to subtract from the row's position to get the point
     uint32_t *cell;     // by row
     size_t point_room, row_room, image_room, cell_room;
+    struct ways *ways, *wide; // of spread.c alone
+    size_t ways_room, wide_room;
 };
 
 #endif

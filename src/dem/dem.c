@@ -12,7 +12,6 @@
 #include "base/vec3.h"
 #include "dem/bodies.h"
 #include "dem/mesh.h"
-#include "dem/spread.h"
 #include "dem/state.h"
 
 /* Measured: see README.md. */
@@ -94,9 +93,6 @@ static enum scree_status make_parts(struct dem *dem, int threads, struct scree_e
     if (!dem->parts)
         return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for %d parts", threads);
     dem->part_count = threads;
-    dem->spread = calloc(1, sizeof *dem->spread);
-    if (!dem->spread)
-        return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for the lists of pairs");
     return cells_create(&dem->cells, err);
 }
 
@@ -270,7 +266,6 @@ void dem_free(struct dem *dem)
         free_part(&dem->parts[k]);
     free(dem->parts);
     cells_free(dem->cells);
-    spread_free(dem->spread);
     free(dem->position);
     free(dem->velocity);
     free(dem->spin);

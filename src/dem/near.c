@@ -185,8 +185,17 @@ static uint64_t steps_within(double room, double way, uint64_t target)
     return most < 1 ? 1 : most < (double)target ? (uint64_t)most : target;
 }
 
-/* Pairs: while no grain has gone half the skin, nothing needs to be known of how they go together. Then it does
- * (spread.h): straight paths are followed for as long as the lists can vouch for. */
+/* Straight paths are followed for as long as lists of this skin can vouch for, by how grains go together (spread.h). */
+static enum scree_status plan_paths(struct dem *dem, struct spread_bound *bound, struct scree_error *err)
+{
+    struct near_plan *plan = &dem->plan;
+    enum scree_status status = spread_measure(dem->cells, dem, plan->skin, bound, err);
+    if (!status)
+        plan->horizon = steps_within(2 * PATH_SHARE * plan->skin, bound->rate * dem->step_s, plan->target);
+    return status;
+}
+
+/* Pairs: while no grain has gone half the skin, nothing needs to be known of how they go together. */
 static enum scree_status plan_pairs(struct dem *dem, double fastest, double displaced, double stray, struct scree_error *err)
 {
     struct near_plan *plan = &dem->plan;
@@ -201,9 +210,8 @@ static enum scree_status plan_pairs(struct dem *dem, double fastest, double disp
     if (!plan->stale) {
         if (displaced + way * (double)plan->target + stray <= 0.5 * plan->skin)
             return SCREE_OK;
-        if ((status = spread_measure(dem->spread, dem->cells, dem, plan->skin, &bound, err)))
+        if ((status = plan_paths(dem, &bound, err)))
             return status;
-        plan->horizon = steps_within(2 * PATH_SHARE * plan->skin, bound.rate * dem->step_s, plan->target);
         plan->rebuild = bound.moved + bound.rate * dem->step_s * (double)plan->horizon + 2 * stray > plan->skin;
     }
     if (!plan->rebuild)
@@ -211,11 +219,8 @@ static enum scree_status plan_pairs(struct dem *dem, double fastest, double disp
     skin_adapt(dem, plan);
     plan->stale = false;
     plan->rebuilds++;
-    if ((status = cells_fill(dem->cells, dem, 2 * dem->largest_radius + plan->skin, err)) ||
-        (status = spread_measure(dem->spread, dem->cells, dem, plan->skin, &bound, err)))
-        return status;
-    plan->horizon = steps_within(2 * PATH_SHARE * plan->skin, bound.rate * dem->step_s, plan->target);
-    return SCREE_OK;
+    status = cells_fill(dem->cells, dem, 2 * dem->largest_radius + plan->skin, err);
+    return status ? status : plan_paths(dem, &bound, err);
 }
 
 /* Walls of triangles stand still, so that a grain's own way counts. */

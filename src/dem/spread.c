@@ -14,7 +14,7 @@
 #include "dem/spread.h"
 
 #include <math.h>
-#include <stdlib.h>
+#include <string.h>
 
 #include "base/memory.h"
 #include "base/simd.h"
@@ -66,11 +66,9 @@ static struct ways ways_of(const struct dem *dem, size_t row)
     return ways;
 }
 
-/* The ways of all grains, in cells of two of the grid's; count: of those. */
-static void fill(const struct cells *cells, const struct dem *dem, int count[3], struct ways *out)
+/* The ways of all grains, in `count` cells, each of two of the grid's along each axis. */
+static void fill(const struct cells *cells, const struct dem *dem, const int count[3], struct ways *out)
 {
-    for (int a = 0; a < 3; a++)
-        count[a] = halves(cells->count[a]);
     for (size_t c = 0; c < cells_of(count); c++)
         out[c] = nobody;
     size_t fine = 0;
@@ -140,37 +138,28 @@ static double apart(const struct ways *cell, const struct ways *wide, size_t cel
     return sqrt(most);
 }
 
-enum scree_status spread_measure(struct spread *spread, const struct cells *cells, const struct dem *dem, double skin,
-                                 struct spread_bound *out, struct scree_error *err)
+enum scree_status spread_measure(struct cells *cells, const struct dem *dem, double skin, struct spread_bound *out,
+                                 struct scree_error *err)
 {
     int count[3] = {halves(cells->count[0]), halves(cells->count[1]), halves(cells->count[2])};
+    size_t total = cells_of(count);
     enum scree_status status;
-    if ((status = memory_grow((void **)&spread->cell, &spread->cell_room, cells_of(count), sizeof *spread->cell, err)) ||
-        (status = memory_grow((void **)&spread->wide, &spread->wide_room, cells_of(count), sizeof *spread->wide, err)))
+    if ((status = memory_grow((void **)&cells->ways, &cells->ways_room, total, sizeof *cells->ways, err)) ||
+        (status = memory_grow((void **)&cells->wide, &cells->wide_room, total, sizeof *cells->wide, err)))
         return status;
-    fill(cells, dem, count, spread->cell);
+    fill(cells, dem, count, cells->ways);
     *out = (struct spread_bound){0, 0};
     double gap = skin, width = 2 * cells->width; // of pairs that are met at this level; of its cells
     for (;; width *= 2) {
-        size_t total = cells_of(count);
-        for (size_t c = 0; c < total; c++)
-            spread->wide[c] = spread->cell[c];
+        total = cells_of(count);
+        memcpy(cells->wide, cells->ways, total * sizeof *cells->wide);
         for (int a = 0; a < 3; a++)
-            widen(spread->wide, count, a, dem->length[a] > 0);
-        out->moved = fmax(out->moved, apart(spread->cell, spread->wide, total, WAY) * skin / gap);
-        out->rate = fmax(out->rate, apart(spread->cell, spread->wide, total, RATE) * skin / gap);
+            widen(cells->wide, count, a, dem->length[a] > 0);
+        out->moved = fmax(out->moved, apart(cells->ways, cells->wide, total, WAY) * skin / gap);
+        out->rate = fmax(out->rate, apart(cells->ways, cells->wide, total, RATE) * skin / gap);
         if (count[0] <= 3 && count[1] <= 3 && count[2] <= 3)
             return SCREE_OK; // each is everybody's neighbour, or the one in the middle is
-        join(spread->cell, count);
+        join(cells->ways, count);
         gap = width - 2 * dem->largest_radius;
     }
-}
-
-void spread_free(struct spread *spread)
-{
-    if (spread) {
-        free(spread->cell);
-        free(spread->wide);
-    }
-    free(spread);
 }

@@ -6,11 +6,6 @@
 #include "dem/cells.h"
 #include "dem/state.h"
 
-struct spread {
-    struct ways *cell, *wide;
-    size_t cell_room, wide_room;
-};
-
 struct spread_bound {
     double moved; // no two such grains have come nearer than by this since the lists were made, m
     double rate;  // nor do they come nearer faster than this, m/s
@@ -18,8 +13,7 @@ struct spread_bound {
 
 /* Bounds over all pairs that lists of `skin` from this grid do not hold, for grains that are still in the rows they had
  * then. Pairs that were farther apart then than the skin count for less: for the skin's share of their distance. */
-enum scree_status spread_measure(struct spread *spread, const struct cells *cells, const struct dem *dem, double skin,
-                                 struct spread_bound *out, struct scree_error *err);
-void spread_free(struct spread *spread);
+enum scree_status spread_measure(struct cells *cells, const struct dem *dem, double skin, struct spread_bound *out,
+                                 struct scree_error *err);
 
 #endif

@@ -112,7 +112,6 @@ struct near_plan {
 };
 
 struct cells;
-struct spread;
 struct bodies;
 struct mesh;
 struct dem;
@@ -181,7 +180,6 @@ struct dem {
     int part_count;
     struct near_plan plan;
     struct cells *cells;
-    struct spread *spread;
     struct dem_profile *profile; // NULL but for a benchmark
 
     double base_y[2];   // y of contacts whose force counts as force on the base, m: [from, to)
