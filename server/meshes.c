@@ -4,13 +4,13 @@
 
 #include <dirent.h>
 #include <errno.h>
-#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "files.h"
 #include "protocol/frame.h"
 #include "protocol/mesh_name.h"
 
@@ -30,44 +30,23 @@ static size_t count_files(const char *folder)
     return count;
 }
 
-static enum scree_status sync_folder(const char *folder, struct scree_error *err)
-{
-    int fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    bool kept = fd >= 0 && fsync(fd) == 0;
-    if (fd >= 0)
-        close(fd);
-    return kept ? SCREE_OK : scree_fail(err, SCREE_IO, "", "cannot keep %s: %s", folder, strerror(errno));
-}
-
-/* Written beside, flushed, renamed. */
-static enum scree_status write_file(const char *folder, const char *name, const char *bytes, size_t size, struct scree_error *err)
-{
-    char path[MESHES_PATH_MAX + MESH_NAME_MAX], part[MESHES_PATH_MAX + 8];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    snprintf(part, sizeof part, "%s/.part", folder);
-    FILE *file = fopen(part, "we");
-    if (!file)
-        return scree_fail(err, SCREE_IO, "", "cannot write %s: %s", part, strerror(errno));
-    bool whole = fwrite(bytes, 1, size, file) == size && fflush(file) == 0 && fsync(fileno(file)) == 0;
-    if (fclose(file) != 0 || !whole || rename(part, path) != 0)
-        return scree_fail(err, SCREE_IO, "", "cannot write %s: %s", path, strerror(errno));
-    return sync_folder(folder, err);
-}
-
 static enum scree_status keep(const struct config *config, const char *name, const char *bytes, size_t size,
                               struct scree_error *err)
 {
-    char folder[MESHES_PATH_MAX], path[MESHES_PATH_MAX + MESH_NAME_MAX];
+    char folder[MESHES_PATH_MAX], path[MESHES_PATH_MAX + MESH_NAME_MAX], part[MESHES_PATH_MAX + 8];
     meshes_folder(config, folder);
     snprintf(path, sizeof path, "%s/%s", folder, name);
+    snprintf(part, sizeof part, "%s/.part", folder);
     if (access(path, F_OK) == 0)
         return SCREE_OK;
     if (mkdir(folder, 0700) != 0 && errno != EEXIST)
         return scree_fail(err, SCREE_IO, "", "cannot make %s: %s", folder, strerror(errno));
     if (count_files(folder) >= MESHES_MAX)
         return scree_fail(err, SCREE_BUSY, "", "there are %d meshes here already, as many as are kept", MESHES_MAX);
-    enum scree_status status = write_file(folder, name, bytes, size, err);
-    return status ? status : sync_folder(config->data, err); // the folder may be new
+    enum scree_status status = files_put(part, path, bytes, size, err);
+    if (!status)
+        status = files_settle(path, err);
+    return status ? status : files_settle(folder, err); // which may be new
 }
 
 static cJSON *vector(const double x[3])

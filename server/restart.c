@@ -6,13 +6,13 @@
  * found when it is read. */
 #include <dirent.h>
 #include <errno.h>
-#include <fcntl.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "files.h"
 #include "protocol/job_json.h"
 #include "scheduler_state.h"
 
@@ -110,19 +110,8 @@ void restart_forget(const struct scheduler *s, const struct job *job)
 
 enum scree_status restart_link(const char *from, const char *to, struct scree_error *err)
 {
-    char folder[CONFIG_PATH_MAX + 128];
     unlink(to);
     if (link(from, to) != 0)
         return scree_fail(err, SCREE_IO, "", "cannot keep the checkpoint %s for a fork: %s", from, strerror(errno));
-    snprintf(folder, sizeof folder, "%s", to);
-    *strrchr(folder, '/') = 0;
-    int directory = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (directory < 0 || fsync(directory) != 0) {
-        enum scree_status status = scree_fail(err, SCREE_IO, "", "cannot bring %s to disk: %s", to, strerror(errno));
-        if (directory >= 0)
-            close(directory);
-        return status;
-    }
-    close(directory);
-    return SCREE_OK;
+    return files_settle(to, err);
 }

@@ -4,14 +4,13 @@
 #include "study_requests.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
+#include "files.h"
 #include "io/table.h"
 #include "limits.h"
 #include "meshes.h"
@@ -83,18 +82,12 @@ static enum scree_status write_csv(const struct study *study, const char *path, 
     char part[FILE_PATH_MAX + 8];
     cJSON *table = study_table(study);
     char *text = table ? study_csv(table) : NULL;
-    enum scree_status status = SCREE_OK;
+    enum scree_status status;
     snprintf(part, sizeof part, "%s.part", path);
-    FILE *file = text ? fopen(part, "we") : NULL;
     if (!text)
         status = scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for the table of %s", study->id);
-    else if (!file)
-        status = scree_fail(err, SCREE_IO, "", "cannot write %s: %s", part, strerror(errno));
-    if (file) {
-        bool whole = fputs(text, file) >= 0 && fflush(file) == 0 && fsync(fileno(file)) == 0;
-        if ((fclose(file) != 0 || !whole || rename(part, path) != 0) && !status)
-            status = scree_fail(err, SCREE_IO, "", "cannot write %s: %s", path, strerror(errno));
-    }
+    else
+        status = files_put(part, path, text, strlen(text), err);
     free(text);
     cJSON_Delete(table);
     return status;
