@@ -140,6 +140,12 @@ out:
     return status;
 }
 
+bool chute_upslope(const struct trimesh *mesh, size_t triangle)
+{
+    const uint32_t *c = mesh->corner[triangle];
+    return mesh->vertex[c[0]][0] + mesh->vertex[c[1]][0] + mesh->vertex[c[2]][0] < 0;
+}
+
 enum scree_status chute_gate(const struct chute *c, struct trimesh **out, struct scree_error *err)
 {
     uint32_t corner[CORNERS - 2][3];

@@ -39,6 +39,8 @@ void chute_accelerator_point(const struct chute *c, double along, double across,
 /* Floor, sides, guards and end plates, normals inwards; `is_accelerator` (owned by the caller) tells the
  * triangles upslope of x = 0. Open at the top: it is a wall, not a body. */
 enum scree_status chute_mesh(const struct chute *c, struct trimesh **out, uint8_t **is_accelerator, struct scree_error *err);
+/* Whether a triangle of any mesh in this frame lies upslope of x = 0, by its middle. */
+bool chute_upslope(const struct trimesh *mesh, size_t triangle);
 /* The gate: a plate across the accelerator, guards included. */
 enum scree_status chute_gate(const struct chute *c, struct trimesh **out, struct scree_error *err);
 

@@ -90,7 +90,7 @@ static enum scree_status first(void *state, struct measure_context *context, con
     for (size_t t = 0; t < mesh->triangles; t++) {
         for (int c = 0; c < 3; c++)
             memcpy(&rows[t][3 * c], mesh->vertex[mesh->corner[t][c]], 3 * sizeof(double));
-        rows[t][WALL_COLUMNS - 1] = rows[t][0] + rows[t][3] + rows[t][6] < 0; // upslope of the join
+        rows[t][WALL_COLUMNS - 1] = chute_upslope(mesh, t);
     }
     enum scree_status status =
         series_put_frame(&s->series[WALLS], context->sink, now->grains->time_s, rows[0], mesh->triangles, err);

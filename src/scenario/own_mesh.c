@@ -82,10 +82,8 @@ enum scree_status own_mesh_read(const struct job_spec *job, const struct scenari
         trimesh_free(*out);
         *out = NULL;
     }
-    for (size_t t = 0; !status && t < (*out)->triangles; t++) {
-        const uint32_t *c = (*out)->corner[t];
-        (*upslope)[t] = (*out)->vertex[c[0]][0] + (*out)->vertex[c[1]][0] + (*out)->vertex[c[2]][0] < 0;
-    }
+    for (size_t t = 0; !status && t < (*out)->triangles; t++)
+        (*upslope)[t] = chute_upslope(*out, t);
     return status;
 }
 

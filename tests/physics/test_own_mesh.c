@@ -1,14 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Scenario `chute` on a mesh out of a file: the built chute, written as a file and read back, is the same apparatus to the bit;
  * what is no apparatus is refused by its triangle. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "unit.h"
+
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "scenario/fragments.h"
@@ -70,8 +65,8 @@ static uint64_t hash_after(const struct job_spec *job, uint64_t steps)
 {
     struct scree_error error = {0};
     struct dem *dem = NULL;
-    if (build(job, &dem, &error) || dem_advance(dem, steps, &error))
-        fail_msg("%s", error.message);
+    must(build(job, &dem, &error), &error);
+    must(dem_advance(dem, steps, &error), &error);
     uint64_t hash = dem_hash(dem);
     dem_free(dem);
     return hash;
