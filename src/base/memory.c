@@ -38,7 +38,7 @@ enum scree_status memory_grow(void **array, size_t *room, size_t need, size_t si
 {
     if (need <= *room)
         return SCREE_OK;
-    size_t grown = *room + *room / 2;
+    size_t grown = *room + *room / 4;
     if (grown < need)
         grown = need + need / 8 + 16;
     void *larger = allocate(grown, size);

@@ -13,7 +13,7 @@
 void *memory_rows(size_t count, size_t size);
 
 /* Makes room for at least `need` elements of `size` bytes in *array, which holds
- * *room now; grows by half at least. Keeps the contents, leaves the new part unset. */
+ * *room now; grows by a quarter at least. Keeps the contents, leaves the new part unset. */
 enum scree_status memory_grow(void **array, size_t *room, size_t need, size_t size, struct scree_error *err);
 
 /* Number of times memory was asked for by this thread, for the test that a warm

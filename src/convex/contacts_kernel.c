@@ -92,8 +92,9 @@ static bool meet_flat(const struct side *a, const struct side *b, struct vec3 ap
     if (normal)
         p->faces = patch_find(&of_a, &of_b, *normal);
     patch_measure(&of_a, &of_b, p->faces, now);
-    p->flat = now->points >= 2;
-    return p->flat;
+    if (now->points < 2)
+        p->faces.plane = PATCH_NONE;
+    return now->points >= 2;
 }
 
 /* ---- distances ---- */
@@ -182,7 +183,7 @@ static enum scree_status look(struct convex *c, const struct looked *l, struct w
     const struct gjk_cache *cache = &l->pair->cache;
     bool round = l->a.part->vertices == 1 && l->b.part->vertices == 1;
     c->counts.queries++;
-    if (l->pair->flat) {
+    if (l->pair->faces.plane) {
         struct patch now;
         struct vec3 apart = vec3_sub(vec3_load(l->b.body->position), vec3_load(l->a.body->position));
         if (meet_flat(&l->a, &l->b, apart, NULL, l->pair, &now))

@@ -87,9 +87,9 @@ static void save_pair(const struct convex *c, const struct pair *p, uint32_t who
     who[0] = (uint32_t)convex_points(c, p) | (uint32_t)p->cache.count << COUNT_AT;
     who[1] = packed(p->cache.a);
     who[2] = packed(p->cache.b);
-    who[3] = p->flat
-                 ? FLAT | (p->faces.along_b ? ALONG_B : 0U) | (uint32_t)p->faces.a << FACE_A_AT | (uint32_t)p->faces.b << FACE_B_AT
-                 : 0;
+    who[3] = p->faces.plane ? FLAT | (p->faces.plane == PATCH_ON_B ? ALONG_B : 0U) | (uint32_t)p->faces.a << FACE_A_AT |
+                                  (uint32_t)p->faces.b << FACE_B_AT
+                            : 0;
 }
 
 static size_t load_pair(const uint32_t who[CONVEX_IMAGE_WHO], struct pair *p)
@@ -97,8 +97,8 @@ static size_t load_pair(const uint32_t who[CONVEX_IMAGE_WHO], struct pair *p)
     p->cache.count = (uint8_t)(who[0] >> COUNT_AT);
     unpack(who[1], p->cache.a);
     unpack(who[2], p->cache.b);
-    p->flat = who[3] & FLAT;
-    p->faces = (struct patch_faces){(uint8_t)(who[3] >> FACE_A_AT), (uint8_t)(who[3] >> FACE_B_AT), who[3] & ALONG_B};
+    const uint8_t plane = !(who[3] & FLAT) ? PATCH_NONE : who[3] & ALONG_B ? PATCH_ON_B : PATCH_ON_A;
+    p->faces = (struct patch_faces){(uint8_t)(who[3] >> FACE_A_AT), (uint8_t)(who[3] >> FACE_B_AT), plane};
     return who[0] & 0xff;
 }
 
@@ -132,12 +132,12 @@ static bool sound_pair(const struct pair *p, size_t points, const struct composi
     for (int k = 0; k < cache->count && k < 4; k++)
         if (cache->a[k] >= a->vertices || cache->b[k] >= b->vertices)
             return false;
-    return cache->count <= 4 && points <= PATCH_POINTS_MAX && (!p->flat || (p->faces.a < a->faces && p->faces.b < b->faces));
+    return cache->count <= 4 && points <= PATCH_POINTS_MAX && (!p->faces.plane || (p->faces.a < a->faces && p->faces.b < b->faces));
 }
 
 static bool sound_corner(const struct pair *p, size_t points)
 {
-    return p->cache.count == 0 && !p->flat && points <= 1;
+    return p->cache.count == 0 && !p->faces.plane && points <= 1;
 }
 
 /* ---- both ways ---- */

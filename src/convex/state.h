@@ -52,8 +52,7 @@ struct pair {
     double due;    // both bodies' travel at which it must be looked at again, m; 0: at every step, as while it touches
     uint32_t slot; // the first of its contacts, or NO_CONTACT
     struct gjk_cache cache;
-    bool flat; // they touch with the faces that are named next
-    struct patch_faces faces;
+    struct patch_faces faces; // with which they touch, if with any
 };
 #define NO_CONTACT UINT32_MAX
 

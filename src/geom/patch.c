@@ -36,7 +36,7 @@ struct patch_faces patch_find(const struct patch_side *a, const struct patch_sid
     double of_a, of_b;
     faces.a = facing(a, normal, &of_a);
     faces.b = facing(b, vec3_scale(normal, -1), &of_b);
-    faces.along_b = of_b > of_a + ALIGNED;
+    faces.plane = of_b > of_a + ALIGNED ? PATCH_ON_B : PATCH_ON_A;
     return faces;
 }
 
@@ -133,16 +133,17 @@ static void share_out(struct patch *p)
 
 void patch_measure(const struct patch_side *a, const struct patch_side *b, struct patch_faces faces, struct patch *out)
 {
-    const struct patch_side *under = faces.along_b ? b : a, *over = faces.along_b ? a : b;
-    const uint8_t its = faces.along_b ? faces.b : faces.a;
+    const bool on_b = faces.plane == PATCH_ON_B;
+    const struct patch_side *under = on_b ? b : a, *over = on_b ? a : b;
+    const uint8_t its = on_b ? faces.b : faces.a;
     const double crusts = a->part->radius + b->part->radius, thicker = over->part->radius - under->part->radius;
     const struct vec3 normal = turn_out(&under->turn, vec3_load(under->part->normal[its]));
     struct outline base, face;
     uint8_t at[OUTLINE_MAX];
     outline_of(under, its, &base);
-    outline_of(over, faces.along_b ? faces.a : faces.b, &face);
+    outline_of(over, on_b ? faces.a : faces.b, &face);
     common(&base, normal, &face);
-    out->normal = faces.along_b ? vec3_scale(normal, -1) : normal;
+    out->normal = on_b ? vec3_scale(normal, -1) : normal;
     out->points = pressing(&base, normal, &face, crusts, at);
     if (out->points > PATCH_POINTS_MAX) {
         thin_out(&base, normal, &face);

@@ -25,10 +25,10 @@ struct patch_side {
     struct vec3 centre; // m
 };
 
-/* Which faces: all that is to be remembered of a patch. */
+/* Which faces: all that is to be remembered of a patch. The plane is that of the face that is better aligned. */
+enum { PATCH_NONE, PATCH_ON_A, PATCH_ON_B };
 struct patch_faces {
-    uint8_t a, b;
-    bool along_b; // the plane is b's face: it is better aligned
+    uint8_t a, b, plane;
 };
 
 struct patch {
