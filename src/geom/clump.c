@@ -159,6 +159,25 @@ enum scree_status clump_block(const double size[3], double radius, double densit
     return SCREE_OK;
 }
 
+enum scree_status clump_add_corners(const double size[3], double radius, struct clump *clump, struct scree_error *err)
+{
+    double shortest = fmin(size[0], fmin(size[1], size[2]));
+    if (!(radius > 0 && 2 * radius <= shortest))
+        return scree_fail(err, SCREE_INVALID, NULL, "two spheres of radius %.6g m do not stand along a block's edge of %.6g m",
+                          radius, shortest);
+    if (clump->spheres + 8 > CLUMP_SPHERES_MAX)
+        return scree_fail(err, SCREE_INVALID, NULL, "a block of %zu spheres and eight corners: at most %d are taken",
+                          clump->spheres, CLUMP_SPHERES_MAX);
+    for (int k = 0; k < 8; k++) {
+        double *sphere = clump->sphere[clump->spheres++];
+        for (int a = 0; a < 3; a++)
+            sphere[a] = (k >> a & 1 ? 1 : -1) * (0.5 * size[a] - radius);
+        sphere[3] = radius;
+    }
+    measure_reach(clump);
+    return SCREE_OK;
+}
+
 /* ---- polyhedra ---- */
 
 enum scree_status clump_inscribe(const struct trimesh *mesh, const double (*sphere)[4], size_t spheres, double density,

@@ -26,6 +26,9 @@ struct clump {
  * have neighbours on all six sides can touch nothing and are left out. */
 enum scree_status clump_block(const double size[3], double radius, double density, struct clump *out, struct scree_error *err);
 
+/* Adds a sphere of `radius` in each of the eight corners of such a block, touching its three faces there. */
+enum scree_status clump_add_corners(const double size[3], double radius, struct clump *clump, struct scree_error *err);
+
 /* Any body: spheres in some frame, mass, centre of mass and inertia tensor about
  * it (xx, yy, zz, xy, xz, yz) in the same frame. Turns it into principal axes;
  * `axes` (may be NULL) says how: q turns own axes into the given frame. Refuses no spheres,

@@ -203,9 +203,16 @@ static enum scree_status make_shapes(const struct job_spec *job, struct clump sh
     const struct chute_params *p = params_of(job);
     const double a = p->size_m, size[FRAGMENT_SHAPES][3] = {{a, a, a}, {a, a, a / 2}, {a, a / 2, a / 2}};
     enum scree_status status = SCREE_OK;
-    for (int k = 0; k < FRAGMENT_SHAPES && !status; k++) // the user's stands in for all three
-        status = p->clast.on ? make_clast(job, &shapes[k], err)
-                             : clump_block(size[k], a / (2 * (double)p->spheres), job->fragments.density_kg_m3, &shapes[k], err);
+    for (int k = 0; k < FRAGMENT_SHAPES && !status; k++) { // the user's stands in for all three
+        if (p->clast.on) {
+            status = make_clast(job, &shapes[k], err);
+            continue;
+        }
+        double radius = p->corners > 0 ? 0.5 * size[k][2] : a / (2 * (double)p->spheres); // [2]: the shortest edge
+        status = clump_block(size[k], radius, job->fragments.density_kg_m3, &shapes[k], err);
+        if (!status && p->corners > 0)
+            status = clump_add_corners(size[k], p->corners * a, &shapes[k], err);
+    }
     return status;
 }
 

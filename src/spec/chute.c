@@ -168,6 +168,16 @@ static const struct field fields[] = {
      .unit = "",
      .doc = "spheres along a cube's edge, 2 or 4: of radius size/4 or size/8",
      .source = "ours; protocols 4"},
+    {.name = "corners",
+     .type = FIELD_REAL,
+     AT(corners),
+     .min = 0,
+     .max = 0.25,
+     .preset = 0,
+     .unit = "",
+     .doc = "radius over size_m of a sphere in each corner, between which spheres as wide as the shortest edge stand in place of "
+            "params.spheres; 0: none. Such fragments stand on their corners, as polyhedra do",
+     .source = "ours"},
     {.name = "clast",
      .type = FIELD_SWITCH,
      AT(clast),
@@ -306,13 +316,15 @@ static void chute_defaults(struct job_spec *job)
 static struct job_cost chute_cost(const struct job_spec *job)
 {
     const struct chute_params *p = params_of(job);
-    double cube = job->fragments.density_kg_m3 * p->size_m * p->size_m * p->size_m, per = (double)(p->spheres * p->spheres);
+    /* Spheres of cubes, halves and quarters: rows of two along the edge, or of four, which leave inner ones out; or corners
+     * and, between them, spheres as wide as the shortest edge. */
+    static const double rows[2][3] = {{8, 4, 2}, {56, 32, 16}}, cornered[3] = {9, 12, 10};
+    const double *of = p->corners > 0 ? cornered : rows[p->spheres == 4];
+    double cube = job->fragments.density_kg_m3 * p->size_m * p->size_m * p->size_m;
     double mass = p->mass_g * 1e-3, quarters = 1 - p->cubes - p->halves;
-    /* Spheres: 2 x 2 x 2, 2 x 2 x 1, 2 x 1 x 1 with two along the edge; four along it leave the inner ones out. */
     if (p->clast.on) // its mass is known once it is built: that of a cube, if it has not been said
         cube = p->clast.mass_kg > 0 ? p->clast.mass_kg : cube;
-    double cubes = p->spheres == 2 ? 8 : 56, halves = 2 * per / (p->spheres == 2 ? 2 : 1), rest = halves / 2;
-    double per_cube = p->cubes * cubes + 2 * p->halves * halves + 4 * quarters * rest;
+    double per_cube = p->cubes * of[0] + 2 * p->halves * of[1] + 4 * quarters * of[2];
     struct job_cost cost = {.moving = mass / cube * (p->clast.on ? (double)p->clast.spheres.count : per_cube),
                             .steps = fmax(1, round(job->time.end_s / job->time.step_s))};
     cost.bytes = cost.moving * SPEC_BYTES_PER_GRAIN;
@@ -328,7 +340,9 @@ static double smallest_radius(const struct chute_params *p)
     double smallest = INFINITY;
     for (int64_t k = 0; p->clast.on && k < p->clast.spheres.count; k++)
         smallest = fmin(smallest, p->clast.spheres.row[k][3]);
-    return p->clast.on ? smallest : p->size_m / (2 * (double)p->spheres);
+    if (p->clast.on)
+        return smallest;
+    return p->corners > 0 ? p->corners * p->size_m : p->size_m / (2 * (double)p->spheres);
 }
 
 static enum scree_status check_clast(const struct clast_spec *clast, struct scree_error *err)

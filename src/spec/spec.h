@@ -449,6 +449,7 @@ struct chute_params { // seed 003: angular fragments down a curved chute
     double mass_g, size_m;
     double cubes, halves;       // shares of the mass; the rest are quarters
     int64_t spheres;            // along a cube's edge: 2 or 4
+    double corners;             // radius of a sphere in each corner over the size; 0: none
     double space_mass_g;        // that the space behind the gate is made for; 0: mass_g
     double space_density_kg_m3; // of such a filling
     int accelerator;            // whose matter it has

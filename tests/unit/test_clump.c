@@ -43,6 +43,37 @@ static void blocks_have_the_layouts_and_inertia_of_the_fragments(void **state)
     }
 }
 
+/* With spheres in its corners a block reaches all of its faces there, and keeps mass and inertia. */
+static void corners_reach_the_faces_of_their_block(void **state)
+{
+    (void)state;
+    const double a = 1e-3, rho = 2700, radius = a / 20;
+    const double size[3][3] = {{a, a, a}, {a, a, a / 2}, {a, a / 2, a / 2}};
+    const size_t spheres[3] = {9, 12, 10};
+    struct scree_error error;
+    for (size_t k = 0; k < 3; k++) {
+        const double *s = size[k];
+        struct clump clump;
+        assert_int_equal(clump_block(s, s[2] / 2, rho, &clump, &error), SCREE_OK);
+        const struct clump block = clump;
+        assert_int_equal(clump_add_corners(s, radius, &clump, &error), SCREE_OK);
+        assert_int_equal(clump.spheres, spheres[k]);
+        near_to(clump.mass, rho * s[0] * s[1] * s[2], 1e-14);
+        assert_memory_equal(clump.inertia, block.inertia, sizeof clump.inertia);
+        const double x = s[0] / 2 - radius, y = s[1] / 2 - radius, z = s[2] / 2 - radius;
+        near_to(clump.reach, sqrt(x * x + y * y + z * z) + radius, 1e-12);
+        for (size_t n = block.spheres; n < clump.spheres; n++)
+            for (int i = 0; i < 3; i++)
+                near_to(fabs(clump.sphere[n][i]) + radius, 0.5 * s[i], 1e-12);
+    }
+    struct clump clump;
+    assert_int_equal(clump_block(size[0], a / 8, rho, &clump, &error), SCREE_OK);
+    assert_int_equal(clump_add_corners(size[0], radius, &clump, &error), SCREE_OK); // 56 and 8 are as many as there may be
+    assert_int_equal(clump_add_corners(size[0], radius, &clump, &error), SCREE_INVALID);
+    assert_int_equal(clump_block(size[1], a / 4, rho, &clump, &error), SCREE_OK);
+    assert_int_equal(clump_add_corners(size[1], 0.3 * a, &clump, &error), SCREE_INVALID);
+}
+
 /* A box of triangles, turned and moved. */
 static struct trimesh *box(const double size[3], struct quat q, struct vec3 at)
 {
@@ -206,6 +237,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(blocks_have_the_layouts_and_inertia_of_the_fragments),
+        cmocka_unit_test(corners_reach_the_faces_of_their_block),
         cmocka_unit_test(polyhedra_give_exact_mass_and_principal_axes),
         cmocka_unit_test(refusals_name_what_is_wrong),
         cmocka_unit_test(a_free_asymmetric_top_keeps_its_energy),
