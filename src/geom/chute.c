@@ -26,6 +26,15 @@ double chute_slope(const struct chute *c, double x)
     return atan(fall(c, x));
 }
 
+/* Cosine and sine of the slope, written out: compilers may or may not see sin(atan(f)) as this, and the last bit would be theirs.
+ */
+static void lean(const struct chute *c, double x, double *cosine, double *sine)
+{
+    double f = fall(c, x), secant = sqrt(f * f + 1);
+    *cosine = 1 / secant;
+    *sine = f / secant;
+}
+
 /* Simpson's rule; the integrand sqrt(1 + z'^2) is smooth. */
 double chute_arc(const struct chute *c, double x)
 {
@@ -42,15 +51,18 @@ double chute_arc(const struct chute *c, double x)
 
 double chute_height(const struct chute *c, const double point[3])
 {
-    return (point[2] - chute_z(c, point[0])) * cos(chute_slope(c, point[0]));
+    double cosine, sine;
+    lean(c, point[0], &cosine, &sine);
+    return (point[2] - chute_z(c, point[0])) * cosine;
 }
 
 void chute_accelerator_point(const struct chute *c, double along, double across, double normal, double out[3])
 {
-    double slope = chute_slope(c, 0);
-    out[0] = along * cos(slope) + normal * sin(slope);
+    double cosine, sine;
+    lean(c, 0, &cosine, &sine);
+    out[0] = along * cosine + normal * sine;
     out[1] = across;
-    out[2] = c->height - along * sin(slope) + normal * cos(slope);
+    out[2] = c->height - along * sine + normal * cosine;
 }
 
 enum { CORNERS = 6 };
@@ -67,11 +79,12 @@ static void section(const struct chute *c, size_t corner, double *across, double
 /* Where the profile is cut: upslope end, join, then steps whose chords stay within `flatness`. */
 static enum scree_status cuts(const struct chute *c, double **out, size_t *count, struct scree_error *err)
 {
-    double slope = chute_slope(c, 0);
+    double cosine, sine;
     size_t room = 0;
     *out = NULL;
     *count = 0;
-    for (double x = -c->accelerator * cos(slope);;) {
+    lean(c, 0, &cosine, &sine);
+    for (double x = -c->accelerator * cosine;;) {
         enum scree_status status = memory_grow((void **)out, &room, *count + 1, sizeof **out, err);
         if (status)
             return status;
@@ -108,12 +121,13 @@ enum scree_status chute_mesh(const struct chute *c, struct trimesh **out, uint8_
     }
     for (size_t k = 0; k < count; k++)
         for (size_t s = 0; s < CORNERS; s++) {
-            double across, normal, slope = chute_slope(c, x[k]);
+            double across, normal, cosine, sine;
             section(c, s, &across, &normal);
+            lean(c, x[k], &cosine, &sine);
             double *v = vertex[CORNERS * k + s];
-            v[0] = x[k] + normal * sin(slope);
+            v[0] = x[k] + normal * sine;
             v[1] = across;
-            v[2] = chute_z(c, x[k]) + normal * cos(slope);
+            v[2] = chute_z(c, x[k]) + normal * cosine;
         }
     for (size_t k = 0; k + 1 < count; k++)
         for (uint32_t s = 0; s < CORNERS - 1; s++) { // turned so that normals point into the channel

@@ -15,7 +15,7 @@
 #include "base/cpu.h"
 #include "scree.h"
 
-static const uint64_t golden = 0x79dddc4e52593d3cull, golden_own = 0x983676de14041a55ull;
+static const uint64_t golden = 0x0b32276b3c05b8e8ull, golden_own = 0x3b017373b6232eadull;
 
 static enum scree_status mix(void *context, const struct scree_chunk *chunk, struct scree_error *err)
 {
