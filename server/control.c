@@ -4,6 +4,7 @@
 #include "control.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
 #include <stdint.h>
@@ -11,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/eventfd.h>
+#include <sys/file.h>
 #include <sys/signalfd.h>
 #include <time.h>
 #include <unistd.h>
@@ -44,6 +46,7 @@ struct control {
     struct gate *gate; // NULL without a network
     struct notify *notify;
     int wake_fd, signal_fd, signals;
+    int runtime_fd; // locked while this daemon listens there
     struct pending pending[PENDING_MAX];
     struct timespec last_progress;
 };
@@ -94,35 +97,26 @@ static void *open_socket(struct control *c, int type, const char *endpoint, int 
     return socket;
 }
 
-/* Another daemon that answers on this runtime directory is not pushed aside. */
-static enum scree_status check_nobody_listens(const struct config *config, struct scree_error *err)
+/* Another daemon in this runtime directory is not pushed aside, be it about to start or too busy to answer: a bind takes a socket's
+ * path from whoever has it. The lock ends with the process, however that ends. */
+static enum scree_status hold_runtime_dir(struct control *c, struct scree_error *err)
 {
-    const char *path = config->listen + strlen("ipc://");
-    if (access(path, F_OK) != 0)
+    const struct config *config = c->daemon.config;
+    c->runtime_fd = open(config->runtime, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (c->runtime_fd < 0)
+        return scree_fail(err, SCREE_IO, "runtime", "cannot open the directory %s: %s", config->runtime, strerror(errno));
+    if (flock(c->runtime_fd, LOCK_EX | LOCK_NB) == 0)
         return SCREE_OK;
-    void *context = zmq_ctx_new(), *socket = zmq_socket(context, ZMQ_DEALER);
-    int linger = 0, timeout = 500;
-    static const char request[] = "{\"id\":\"who\",\"op\":\"ping\"}";
-    zmq_setsockopt(socket, ZMQ_LINGER, &linger, sizeof linger);
-    zmq_setsockopt(socket, ZMQ_RCVTIMEO, &timeout, sizeof timeout);
-    zmq_connect(socket, config->listen);
-    zmq_send(socket, PROTOCOL_VERSION, strlen(PROTOCOL_VERSION), ZMQ_SNDMORE | ZMQ_DONTWAIT);
-    zmq_send(socket, request, strlen(request), ZMQ_SNDMORE | ZMQ_DONTWAIT);
-    zmq_send(socket, "{}", 2, ZMQ_DONTWAIT);
-    char answer[8];
-    int answered = zmq_recv(socket, answer, sizeof answer, 0);
-    zmq_close(socket);
-    zmq_ctx_term(context);
-    if (answered >= 0)
+    if (errno == EWOULDBLOCK)
         return scree_fail(err, SCREE_BUSY, "listen", "another screed listens on %s", config->listen);
-    return SCREE_OK;
+    return scree_fail(err, SCREE_IO, "runtime", "cannot lock the directory %s: %s", config->runtime, strerror(errno));
 }
 
 static enum scree_status open_sockets(struct control *c, struct scree_error *err)
 {
     const struct config *config = c->daemon.config;
     enum scree_status status = auth_runtime_dir(config->runtime, err);
-    if (status || (status = check_nobody_listens(config, err)))
+    if (status || (status = hold_runtime_dir(c, err)))
         return status;
     c->context = zmq_ctx_new();
     if (!c->context)
@@ -508,6 +502,7 @@ enum scree_status control_run(const struct config *config, struct scree_error *e
         return scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory");
     clock_gettime(CLOCK_MONOTONIC, &now);
     c->daemon = (struct daemon){.config = config, .started = (double)now.tv_sec + 1e-9 * (double)now.tv_nsec};
+    c->runtime_fd = -1;
     sigemptyset(&signals);
     sigaddset(&signals, SIGTERM);
     sigaddset(&signals, SIGINT);
@@ -556,6 +551,8 @@ out:
     if (!status)
         log_line(LOG_INFO, "ended");
     close(c->wake_fd);
+    if (c->runtime_fd >= 0)
+        close(c->runtime_fd);
     free(c); // the signal descriptor stays for the watcher: the process ends now
     return status;
 }

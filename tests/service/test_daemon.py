@@ -66,6 +66,24 @@ class DaemonLife(unittest.TestCase):
         self.assertNotEqual(ended.returncode, 0, ended.stderr)
         self.assertEqual(first.control.ask("ping")["pid"], first.process.pid)
 
+    def test_of_two_that_start_at_once_one_serves(self):
+        # The other must not take the sockets away between being started and finding out.
+        for k in range(8):
+            runtime, data = self.path(f"run{k}"), self.path(f"data{k}")
+            both = [subprocess.Popen([SCREED, "--data", data, "--runtime", runtime], stdin=subprocess.DEVNULL,
+                                     stderr=subprocess.DEVNULL) for _ in range(2)]
+            for one in both:
+                self.addCleanup(one.wait)
+                self.addCleanup(one.kill)
+            end = time.monotonic() + 60
+            while all(one.poll() is None for one in both) and time.monotonic() < end:
+                time.sleep(0.01)
+            ended, left = sorted(both, key=lambda one: one.poll() is None)
+            self.assertEqual((ended.poll(), left.poll()), (75, None))
+            control = Control(f"ipc://{runtime}/control")
+            self.addCleanup(control.close)
+            self.assertEqual(control.ask("ping")["pid"], left.pid)
+
     def test_runtime_directory_is_for_the_owner_only(self):
         daemon = self.start()
         self.assertEqual(stat.S_IMODE(os.stat(daemon.runtime).st_mode), 0o700)
