@@ -428,7 +428,7 @@ class RawClient(unittest.TestCase):
             time.sleep(0.2)
         self.assertLessEqual(descriptors(), before)
         # One that only waits is told that the daemon lives, and is served when it pays.
-        header, _ = patient.message()
+        header, _ = patient.message(alive=True)
         self.assertEqual((header["op"], header["key"]), ("alive", "patient"))
         patient.credit("patient", CHUNK_BYTES)
         self.assertEqual(patient.message()[0]["seq"], 0)

@@ -146,15 +146,18 @@ class Streams:
     def credit(self, key, count):
         self.send(op="credit", key=key, bytes=count)
 
-    def message(self, timeout_s=PATIENCE_S):
-        """(header, payload) of the next message, or None when there is none in time."""
-        frames = receive(self.socket, timeout_s)
-        if frames is None:
-            return None
-        assert frames[0] == b"SC1", frames
-        header = json.loads(frames[1])
-        assert len(frames) == (3 if header["op"] == "chunk" else 2), [len(f) for f in frames]
-        return header, frames[2] if len(frames) == 3 else b""
+    def message(self, timeout_s=PATIENCE_S, alive=False):
+        """(header, payload) of the next message, or None after so long a silence; one that only says that the
+        daemon lives, which a slow one may at any time, is passed over unless it is asked for."""
+        while True:
+            frames = receive(self.socket, timeout_s)
+            if frames is None:
+                return None
+            assert frames[0] == b"SC1", frames
+            header = json.loads(frames[1])
+            assert len(frames) == (3 if header["op"] == "chunk" else 2), [len(f) for f in frames]
+            if alive or header["op"] != "alive":
+                return header, frames[2] if len(frames) == 3 else b""
 
     def read_all(self, key, job, stream, start=0, grant=1 << 20, timeout_s=PATIENCE_S):
         """Every chunk from `start` to the end, paying `grant` bytes at a time.
@@ -172,8 +175,6 @@ class Streams:
                 raise Refused(header["error"])
             if header["op"] == "end":
                 return chunks, header
-            if header["op"] != "chunk":
-                continue
             chunks.append(got)
             unpaid += len(payload)
             if unpaid:
