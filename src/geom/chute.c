@@ -28,11 +28,13 @@ double chute_slope(const struct chute *c, double x)
 
 /* Cosine and sine of the slope, written out: compilers may or may not see sin(atan(f)) as this, and the last bit would be theirs.
  */
-static void lean(const struct chute *c, double x, double *cosine, double *sine)
+struct lean {
+    double cosine, sine;
+};
+static struct lean lean_at(const struct chute *c, double x)
 {
     double f = fall(c, x), secant = sqrt(f * f + 1);
-    *cosine = 1 / secant;
-    *sine = f / secant;
+    return (struct lean){1 / secant, f / secant};
 }
 
 /* Simpson's rule; the integrand sqrt(1 + z'^2) is smooth. */
@@ -51,18 +53,15 @@ double chute_arc(const struct chute *c, double x)
 
 double chute_height(const struct chute *c, const double point[3])
 {
-    double cosine, sine;
-    lean(c, point[0], &cosine, &sine);
-    return (point[2] - chute_z(c, point[0])) * cosine;
+    return (point[2] - chute_z(c, point[0])) * lean_at(c, point[0]).cosine;
 }
 
 void chute_accelerator_point(const struct chute *c, double along, double across, double normal, double out[3])
 {
-    double cosine, sine;
-    lean(c, 0, &cosine, &sine);
-    out[0] = along * cosine + normal * sine;
+    const struct lean lean = lean_at(c, 0);
+    out[0] = along * lean.cosine + normal * lean.sine;
     out[1] = across;
-    out[2] = c->height - along * sine + normal * cosine;
+    out[2] = c->height - along * lean.sine + normal * lean.cosine;
 }
 
 enum { CORNERS = 6 };
@@ -79,12 +78,10 @@ static void section(const struct chute *c, size_t corner, double *across, double
 /* Where the profile is cut: upslope end, join, then steps whose chords stay within `flatness`. */
 static enum scree_status cuts(const struct chute *c, double **out, size_t *count, struct scree_error *err)
 {
-    double cosine, sine;
     size_t room = 0;
     *out = NULL;
     *count = 0;
-    lean(c, 0, &cosine, &sine);
-    for (double x = -c->accelerator * cosine;;) {
+    for (double x = -c->accelerator * lean_at(c, 0).cosine;;) {
         enum scree_status status = memory_grow((void **)out, &room, *count + 1, sizeof **out, err);
         if (status)
             return status;
@@ -119,16 +116,17 @@ enum scree_status chute_mesh(const struct chute *c, struct trimesh **out, uint8_
         status = scree_fail(err, SCREE_NO_MEMORY, NULL, "no memory for a chute of %zu pieces", count);
         goto out;
     }
-    for (size_t k = 0; k < count; k++)
+    for (size_t k = 0; k < count; k++) {
+        const struct lean lean = lean_at(c, x[k]);
         for (size_t s = 0; s < CORNERS; s++) {
-            double across, normal, cosine, sine;
+            double across, normal;
             section(c, s, &across, &normal);
-            lean(c, x[k], &cosine, &sine);
             double *v = vertex[CORNERS * k + s];
-            v[0] = x[k] + normal * sine;
+            v[0] = x[k] + normal * lean.sine;
             v[1] = across;
-            v[2] = chute_z(c, x[k]) + normal * cosine;
+            v[2] = chute_z(c, x[k]) + normal * lean.cosine;
         }
+    }
     for (size_t k = 0; k + 1 < count; k++)
         for (uint32_t s = 0; s < CORNERS - 1; s++) { // turned so that normals point into the channel
             uint32_t a = (uint32_t)(CORNERS * k) + s, b = a + 1, d = a + CORNERS, e = d + 1;

@@ -198,21 +198,24 @@ static enum scree_status make_clast(const struct job_spec *job, struct clump *ou
     return status;
 }
 
+/* In rows of equal spheres, or with a sphere in each corner and, between them, spheres as wide as the last edge, the shortest. */
+static enum scree_status make_block(const struct job_spec *job, const double size[3], struct clump *out, struct scree_error *err)
+{
+    const struct chute_params *p = params_of(job);
+    const double density = job->fragments.density_kg_m3;
+    if (!(p->corners > 0))
+        return clump_block(size, p->size_m / (2 * (double)p->spheres), density, out, err);
+    enum scree_status status = clump_block(size, 0.5 * size[2], density, out, err);
+    return status ? status : clump_add_corners(size, p->corners * p->size_m, out, err);
+}
+
 static enum scree_status make_shapes(const struct job_spec *job, struct clump shapes[FRAGMENT_SHAPES], struct scree_error *err)
 {
     const struct chute_params *p = params_of(job);
     const double a = p->size_m, size[FRAGMENT_SHAPES][3] = {{a, a, a}, {a, a, a / 2}, {a, a / 2, a / 2}};
     enum scree_status status = SCREE_OK;
-    for (int k = 0; k < FRAGMENT_SHAPES && !status; k++) { // the user's stands in for all three
-        if (p->clast.on) {
-            status = make_clast(job, &shapes[k], err);
-            continue;
-        }
-        double radius = p->corners > 0 ? 0.5 * size[k][2] : a / (2 * (double)p->spheres); // [2]: the shortest edge
-        status = clump_block(size[k], radius, job->fragments.density_kg_m3, &shapes[k], err);
-        if (!status && p->corners > 0)
-            status = clump_add_corners(size[k], p->corners * a, &shapes[k], err);
-    }
+    for (int k = 0; k < FRAGMENT_SHAPES && !status; k++) // the user's stands in for all three
+        status = p->clast.on ? make_clast(job, &shapes[k], err) : make_block(job, size[k], &shapes[k], err);
     return status;
 }
 

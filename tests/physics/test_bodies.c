@@ -185,11 +185,12 @@ static bool tips(int n, double corners, double rolling, double slope)
     struct scree_error error;
     make_shapes(a, shapes);
     must(clump_block((double[3]){a, a, a}, a / (2 * n), 2700, &shapes[0], &error), &error);
-    if (corners > 0)
+    if (corners > 0) {
         must(clump_add_corners((double[3]){a, a, a}, corners * a, &shapes[0], &error), &error);
+        matter.clast_chute.friction = 2; // the published 0.9 lets it slide from 42 degrees on, where it stands
+    }
     matter.softening = 1000;
     matter.clast_chute.rolling = rolling;
-    matter.clast_chute.friction = 2; // the published 0.9 lets it slide from 42 degrees on
     law_hertz_tsuji.coefs(&matter, FRAGMENT_CHUTE, step, &c);
     double weight = shapes[0].mass * g * cos(slope), overlap = pow(weight / (n * n) / (c.normal * sqrt(a / (2 * n))), 2.0 / 3.0);
     const struct dem_body body = {.position = {0, 0, a / 2 - overlap}, .orientation = {1, 0, 0, 0}};

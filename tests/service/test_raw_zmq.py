@@ -321,24 +321,24 @@ class RawClient(unittest.TestCase):
 
     def test_without_credit_nothing_is_sent(self):
         self.streams.open("poor", self.job, "basal_force")
-        self.assertIsNone(self.streams.message(SILENCE_S))
+        self.assertIsNone(self.streams.message(SILENCE_S, alive=True))
 
     def test_no_more_is_sent_than_was_granted(self):
         self.streams.open("meagre", self.job, "basal_force")
         self.streams.credit("meagre", 2 * CHUNK_BYTES + CHUNK_BYTES // 2)
         self.assertEqual([self.streams.message()[0]["seq"] for _ in range(2)], [0, 1])
-        self.assertIsNone(self.streams.message(SILENCE_S))
+        self.assertIsNone(self.streams.message(SILENCE_S, alive=True))
         # The half left over counts: half a chunk more pays for one.
         self.streams.credit("meagre", CHUNK_BYTES // 2)
         self.assertEqual(self.streams.message()[0]["seq"], 2)
-        self.assertIsNone(self.streams.message(SILENCE_S))
+        self.assertIsNone(self.streams.message(SILENCE_S, alive=True))
 
     def test_a_chunk_larger_than_the_grant_still_moves(self):
         # Else a reader with a small buffer would wait for ever.
         self.streams.open("small", self.job, "basal_force")
         self.streams.credit("small", 1)
         self.assertEqual(self.streams.message()[0]["seq"], 0)
-        self.assertIsNone(self.streams.message(SILENCE_S))
+        self.assertIsNone(self.streams.message(SILENCE_S, alive=True))
 
     def test_several_subscriptions_share_a_connection(self):
         for key, start in (("a", 0), ("b", 10)):
@@ -358,7 +358,7 @@ class RawClient(unittest.TestCase):
         self.streams.open("shut", self.job, "basal_force")
         self.streams.send(op="close", key="shut")
         self.streams.credit("shut", 1 << 20)
-        got = self.streams.message(SILENCE_S)
+        got = self.streams.message(SILENCE_S, alive=True)
         self.assertTrue(got is None or got[0]["op"] == "error", got)
 
     def test_bad_opens_are_refused(self):
