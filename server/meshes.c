@@ -10,7 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "files.h"
+#include "io/files.h"
 #include "protocol/frame.h"
 #include "protocol/mesh_name.h"
 

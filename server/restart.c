@@ -12,7 +12,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "files.h"
+#include "io/files.h"
 #include "protocol/job_json.h"
 #include "scheduler_state.h"
 

@@ -10,7 +10,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "files.h"
+#include "io/files.h"
 #include "io/table.h"
 #include "limits.h"
 #include "meshes.h"

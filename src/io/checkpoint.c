@@ -12,6 +12,7 @@
 
 #include "base/failpoint.h"
 #include "base/memory.h"
+#include "io/files.h"
 #include "io/h5.h"
 #include "io/seal.h"
 
@@ -99,7 +100,7 @@ static enum scree_status write_image(const struct world_image *image, const char
         status = seal_write(part, err);
     FAILPOINT("checkpoint-sealed");
     if (!status)
-        status = h5_into_place(part, path, err);
+        status = files_into_place(part, path, err);
     FAILPOINT("checkpoint-in-place");
     if (status)
         remove(part);

@@ -2,12 +2,8 @@
 /* See h5.h. */
 #include "io/h5.h"
 
-#include <errno.h>
-#include <fcntl.h>
-#include <libgen.h>
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "scree.h"
 
@@ -216,28 +212,6 @@ void h5_array(struct h5 *h5, const char *at, hid_t type, const void *values, siz
     const hsize_t size = count;
     if (ready(h5))
         whole(h5, at, type, type, H5Screate_simple(1, &size, NULL), values);
-}
-
-enum scree_status h5_into_place(const char *part, const char *path, struct scree_error *err)
-{
-    char folder[4096];
-    int file = open(part, O_RDONLY | O_CLOEXEC);
-    if (file < 0 || fsync(file) != 0) {
-        enum scree_status status = scree_fail(err, SCREE_IO, "", "cannot bring %s to disk: %s", part, strerror(errno));
-        if (file >= 0)
-            close(file);
-        return status;
-    }
-    close(file);
-    if (rename(part, path) != 0)
-        return scree_fail(err, SCREE_IO, "", "cannot rename %s to %s: %s", part, path, strerror(errno));
-    snprintf(folder, sizeof folder, "%s", path);
-    int directory = open(dirname(folder), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (directory >= 0) {
-        fsync(directory);
-        close(directory);
-    }
-    return SCREE_OK;
 }
 
 enum scree_status scree_prepare(struct scree_error *err)

@@ -42,9 +42,6 @@ void h5_scalar_int(struct h5 *h5, const char *at, int64_t value);
 /* A whole dataset of any type, contiguous. */
 void h5_array(struct h5 *h5, const char *at, hid_t type, const void *values, size_t count);
 
-/* Brings a closed file to disk and renames it. */
-enum scree_status h5_into_place(const char *part, const char *path, struct scree_error *err);
-
 /* A dataset frames x rows x columns (columns 0: frames x rows) that grows by frames. */
 void h5_frames(struct h5 *h5, const char *at, size_t rows, size_t columns);
 void h5_append_frame(struct h5 *h5, const char *at, const double *values, size_t rows, size_t columns);

@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "base/memory.h"
+#include "io/files.h"
 #include "io/h5.h"
 #include "scree.h"
 
@@ -337,7 +338,7 @@ enum scree_status scree_result_write(const struct scree_result *r, const struct 
     if (!status)
         status = closed;
     if (!status)
-        status = h5_into_place(part, r->path, err);
+        status = files_into_place(part, r->path, err);
     if (status)
         unlink(part);
     return status;

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "base/memory.h"
+#include "io/files.h"
 #include "io/h5.h"
 
 static hid_t text_type(size_t length)
@@ -72,7 +73,7 @@ enum scree_status io_table_write(const struct io_table *t, struct scree_error *e
     write_columns(&h5, t);
     enum scree_status status = h5_close(&h5, err);
     if (!status)
-        status = h5_into_place(part, t->path, err);
+        status = files_into_place(part, t->path, err);
     if (status)
         unlink(part);
     free(part);

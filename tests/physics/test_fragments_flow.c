@@ -26,7 +26,7 @@ static enum scree_status keep(void *context, const struct scree_chunk *chunk, st
             o->still_rear[o->samples] = chunk->values[r * columns + columns - 2];
             o->still_front[o->samples] = chunk->values[r * columns + columns - 1];
         }
-    if (strcmp(chunk->stream->name, "layers") == 0 && fabs(chunk->t0_s - 0.5) < 0.05)
+    if (strcmp(chunk->stream->name, "layers") == 0 && fabs(chunk->t0_s - 0.5) < 0.02)
         for (o->layers = 0; o->layers < chunk->rows && o->layers < LAYERS; o->layers++) {
             const double *row = chunk->values + o->layers * columns;
             o->layer_bodies[o->layers] = row[1];
@@ -49,7 +49,7 @@ static void flow(int accelerator, struct outcome *o)
     job.time.step_s = 8.4e-6; // 0.3 of the Rayleigh time
     job.time.end_s = 1.5;
     job.stop.when = 0;
-    job.record.flow.every_s = 0.1;
+    job.record.flow.every_s = 0.05; // at 0.1 s the first still grains are seen after the deposit has grown back over them
     job.record.energy = (struct record_every){true, 0.05};
     o->summary = run(&job, &sink);
 }

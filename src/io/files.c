@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* See files.h. */
-#include "files.h"
+#include "io/files.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <libgen.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
-
-#include "config.h"
 
 enum scree_status files_put(const char *part, const char *path, const void *bytes, size_t size, struct scree_error *err)
 {
@@ -24,8 +23,9 @@ enum scree_status files_put(const char *part, const char *path, const void *byte
 
 enum scree_status files_settle(const char *path, struct scree_error *err)
 {
-    char folder[CONFIG_PATH_MAX + 128];
-    snprintf(folder, sizeof folder, "%s", path);
+    char folder[4096];
+    if (snprintf(folder, sizeof folder, "%s", path) >= (int)sizeof folder)
+        return scree_fail(err, SCREE_IO, "", "the path %s is too long", path);
     int fd = open(dirname(folder), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     enum scree_status status = SCREE_OK;
     if (fd < 0 || fsync(fd) != 0)
@@ -33,4 +33,19 @@ enum scree_status files_settle(const char *path, struct scree_error *err)
     if (fd >= 0)
         close(fd);
     return status;
+}
+
+enum scree_status files_into_place(const char *part, const char *path, struct scree_error *err)
+{
+    int file = open(part, O_RDONLY | O_CLOEXEC);
+    enum scree_status status = SCREE_OK;
+    if (file < 0 || fsync(file) != 0)
+        status = scree_fail(err, SCREE_IO, "", "cannot bring %s to disk: %s", part, strerror(errno));
+    if (file >= 0)
+        close(file);
+    if (status)
+        return status;
+    if (rename(part, path) != 0)
+        return scree_fail(err, SCREE_IO, "", "cannot rename %s to %s: %s", part, path, strerror(errno));
+    return files_settle(path, err);
 }

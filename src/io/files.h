@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Files that are whole or not there, and on disk when that is said. */
-#ifndef SCREE_SERVER_FILES_H
-#define SCREE_SERVER_FILES_H
+#ifndef SCREE_IO_FILES_H
+#define SCREE_IO_FILES_H
 
 #include <stddef.h>
 
@@ -12,5 +12,8 @@ enum scree_status files_put(const char *part, const char *path, const void *byte
 
 /* Brings to disk that `path` has its place in its folder. */
 enum scree_status files_settle(const char *path, struct scree_error *err);
+
+/* Brings the closed file `part` to disk, renames it to `path` on the same file system, and settles that. */
+enum scree_status files_into_place(const char *part, const char *path, struct scree_error *err);
 
 #endif
