@@ -63,7 +63,8 @@ struct spectrum_fit {
 };
 /* ln(P / P_F^0 + e) against ln(zeta(f tau) + e), least squares in two parameters over `range` in Hz, every frequency alike
  * (protocols 1.10). e is 2 %: impacts of a flow differ, so its spectrum lacks zeta's zeros, and what lies that far under
- * P_F^0 must not decide. SCREE_INVALID where fewer than 8 frequencies can be used. */
+ * P_F^0 must not decide. SCREE_INVALID where fewer than 8 frequencies can be used, or power falls from the lowest 8 on, as
+ * chains of lasting contacts make it: then there is no plateau to take P_F^0 from. */
 enum scree_status spectrum_fit(const double *f, const double *power, size_t n, const double range[2], struct spectrum_fit *out,
                                struct scree_error *err);
 

@@ -312,6 +312,23 @@ static void a_slow_part_does_not_move_the_fit(void **state)
     near(fit.power / 2e-7, 1, 0.15);
 }
 
+/* Chains of lasting contacts redden the whole range: any P_F^0 would be the range's choice. */
+static void power_that_falls_from_the_lowest_on_is_not_fitted(void **state)
+{
+    (void)state;
+    enum { N = 200 };
+    double at[N], red[N];
+    struct spectrum_fit fit = {.power = 1};
+    struct scree_error err = {0};
+    for (size_t k = 0; k < N; k++) {
+        at[k] = 1e3 * ((double)k + 0.5);
+        red[k] = 2e-7 * pow(at[k] / 4e3, -3);
+    }
+    assert_int_equal(spectrum_fit(at, red, N, range, &fit, &err), SCREE_INVALID);
+    assert_error(&err, SCREE_INVALID, "", "no corner lies between 2000 and 150000 Hz: power falls from the lowest frequencies on");
+    assert_true(fit.power == 0 && fit.tau == 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -326,6 +343,7 @@ int main(void)
         cmocka_unit_test(too_few_samples_say_how_many_are_needed),
         cmocka_unit_test(a_poisson_train_has_campbells_spectrum),
         cmocka_unit_test(a_slow_part_does_not_move_the_fit),
+        cmocka_unit_test(power_that_falls_from_the_lowest_on_is_not_fitted),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
