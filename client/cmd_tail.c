@@ -218,7 +218,7 @@ static enum outcome connect(struct tail *t, struct scree_error *err)
         wait_ms(500);
         return OUTCOME_DONE;
     }
-    return reader_open(t->link, t->job, t->stream, t->next, &t->reader, err);
+    return reader_open(t->link, t->job, t->stream, t->next, READER_MANY, &t->reader, err);
 }
 
 /* ---- verifying ---- */

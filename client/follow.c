@@ -84,7 +84,7 @@ static void open_reader(struct following *f, const cJSON *record)
         return;
     double chunks = json_number(stream, "chunks", 0);
     uint64_t from = chunks > LATE_CHUNKS ? (uint64_t)chunks - LATE_CHUNKS : 0;
-    if (reader_open(f->link, f->job, STREAM, from, &f->reader, &ignored))
+    if (reader_open(f->link, f->job, STREAM, from, READER_MANY, &f->reader, &ignored))
         f->reader_done = true; // a picture less; the job is what counts
 }
 

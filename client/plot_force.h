@@ -17,7 +17,7 @@ struct plot_force {
     } bins[PLOT_FORCE_BINS];
 };
 
-/* For plot_read_chunks; `context` is a struct plot_force whose times are set. */
+/* For plot_read_stream; `context` is a struct plot_force whose times are set. */
 void plot_force_take(void *context, const struct reader_chunk *chunk);
 
 /* The bins as data of the script, under a name like "$force": time, then mean, least and most of each component. */

@@ -132,7 +132,7 @@ static enum outcome read_newest(struct link *link, const cJSON *record, const ch
 {
     const char *stream = plot_chunks_of(record, means) > 0 ? means : windows;
     uint64_t last = plot_chunks_of(record, stream);
-    return last > 0 ? plot_read_chunks(link, json_text(record, "id"), stream, last - 1, last, take, context, err) : OUTCOME_DONE;
+    return last > 0 ? plot_read_chunk(link, record, stream, last - 1, take, context, err) : OUTCOME_DONE;
 }
 
 /* A continuum has no collisions, hence no blows to show. */
@@ -144,22 +144,19 @@ static bool has_blows(const cJSON *record)
 /* What there is of a flow down a chute: four snapshots spread over it, layers as of a third of it. */
 static enum outcome read_chute(struct link *link, const cJSON *record, struct plot_chute *plot, struct scree_error *err)
 {
-    const char *id = json_text(record, "id");
     uint64_t snapshots = plot_chunks_of(record, "snapshots"), layers = plot_chunks_of(record, "layers");
-    enum outcome outcome =
-        plot_read_chunks(link, id, "walls", 0, plot_chunks_of(record, "walls"), plot_chute_take_walls, plot, err);
+    enum outcome outcome = plot_read_stream(link, record, "walls", plot_chute_take_walls, plot, err);
     for (uint64_t k = 0; k < PLOT_CHUTE_FRAMES && snapshots > 0 && !outcome; k++) {
         static const int percent[PLOT_CHUTE_FRAMES] = {10, 22, 38, 100};
         uint64_t at = (snapshots - 1) * (uint64_t)percent[k] / 100;
-        outcome = plot_read_chunks(link, id, "snapshots", at, at + 1, plot_chute_take_snapshot, plot, err);
+        outcome = plot_read_chunk(link, record, "snapshots", at, plot_chute_take_snapshot, plot, err);
     }
     if (!outcome)
-        outcome =
-            plot_read_chunks(link, id, "fragments", 0, plot_chunks_of(record, "fragments"), plot_chute_take_bodies, plot, err);
+        outcome = plot_read_stream(link, record, "fragments", plot_chute_take_bodies, plot, err);
     if (!outcome)
-        outcome = plot_read_chunks(link, id, "flow", 0, plot_chunks_of(record, "flow"), plot_chute_take_flow, plot, err);
+        outcome = plot_read_stream(link, record, "flow", plot_chute_take_flow, plot, err);
     if (!outcome && layers > 0)
-        outcome = plot_read_chunks(link, id, "layers", layers / 3, layers / 3 + 1, plot_chute_take_layers, plot, err);
+        outcome = plot_read_chunk(link, record, "layers", layers / 3, plot_chute_take_layers, plot, err);
     return outcome;
 }
 
@@ -190,7 +187,7 @@ static enum outcome write_script(struct link *link, const cJSON *record, struct 
     struct plot_views views = {.script = p->script};
     int row = 0, rows = rows_of(record);
     char heading[200];
-    enum outcome outcome = plot_read_chunks(link, id, FORCE, 0, plot_chunks_of(record, FORCE), plot_force_take, t, err);
+    enum outcome outcome = plot_read_stream(link, record, FORCE, plot_force_take, t, err);
     if (!outcome)
         outcome = read_newest(link, record, SPECTRUM "_mean", SPECTRUM, take_spectrum, &spectrum, err);
     if (!outcome)
@@ -198,9 +195,9 @@ static enum outcome write_script(struct link *link, const cJSON *record, struct 
     if (!outcome)
         outcome = read_chute(link, record, &chute, err);
     if (!outcome)
-        outcome = plot_read_chunks(link, id, SURFACE, 0, plot_chunks_of(record, SURFACE), plot_surface_take, &surface, err);
+        outcome = plot_read_stream(link, record, SURFACE, plot_surface_take, &surface, err);
     if (!outcome)
-        outcome = plot_read_chunks(link, id, HEAP, 0, plot_chunks_of(record, HEAP), plot_heap_take, &heap, err);
+        outcome = plot_read_stream(link, record, HEAP, plot_heap_take, &heap, err);
     plot_heap_end(&heap);
     if (!outcome)
         outcome = plot_views_read(link, record, &views, err);

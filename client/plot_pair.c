@@ -89,17 +89,16 @@ static enum outcome find_side(struct link *link, const cJSON *study, struct side
 
 static enum outcome read_side(struct link *link, struct picture *p, int number, struct side *side, struct scree_error *err)
 {
-    const char *job = json_text(side->record, "id"), *heights = side->kind->heights;
+    const char *heights = side->kind->heights;
     char name[16];
     side->script = p->script;
     side->force.end = json_number(side->record, "time_s", 0);
-    enum outcome outcome = plot_read_chunks(link, job, "basal_force", 0, plot_chunks_of(side->record, "basal_force"),
-                                            plot_force_take, &side->force, err);
+    enum outcome outcome = plot_read_stream(link, side->record, "basal_force", plot_force_take, &side->force, err);
     snprintf(name, sizeof name, "$force%d", number);
     plot_force_write(p, name, &side->force);
     fprintf(p->script, "$heights%d << EOD\n", number);
     if (!outcome)
-        outcome = plot_read_chunks(link, job, heights, 0, plot_chunks_of(side->record, heights), take_heights, side, err);
+        outcome = plot_read_stream(link, side->record, heights, take_heights, side, err);
     fprintf(p->script, "EOD\n");
     return outcome;
 }

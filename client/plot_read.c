@@ -9,14 +9,19 @@
 
 enum { QUIET_SECONDS = 60 };
 
-enum outcome plot_read_chunks(struct link *link, const char *job, const char *stream, uint64_t from, uint64_t count,
-                              void (*take)(void *, const struct reader_chunk *), void *context, struct scree_error *err)
+/* Chunks `from` to `to`. What the daemon will say after the last one of an ended job is waited for: a socket that is closed
+ * while a message arrives loses memory (libzmq 4.3.4). */
+static enum outcome read_chunks(struct link *link, const cJSON *record, const char *stream, uint64_t from, uint64_t to,
+                                void (*take)(void *, const struct reader_chunk *), void *context, struct scree_error *err)
 {
     struct reader *reader = NULL;
     struct reader_chunk chunk;
-    enum outcome outcome = from < count ? reader_open(link, job, stream, from, &reader, err) : OUTCOME_DONE;
+    const char *job = json_text(record, "id");
+    bool ends = cJSON_IsNumber(json_get(record, "ended")) && to == plot_chunks_of(record, stream);
+    enum outcome outcome =
+        from < to ? reader_open(link, job, stream, from, to - from == 1 ? READER_ONE : READER_MANY, &reader, err) : OUTCOME_DONE;
     double quiet = now_s();
-    while (!outcome && reader && reader_position(reader) < count) {
+    while (!outcome && reader && (reader_position(reader) < to || ends)) {
         switch (reader_next(reader, 200, &chunk, err)) {
         case READER_CHUNK:
             take(context, &chunk);
@@ -28,7 +33,8 @@ enum outcome plot_read_chunks(struct link *link, const char *job, const char *st
                                        QUIET_SECONDS);
             break;
         case READER_END:
-            count = 0;
+            to = 0;
+            ends = false;
             break;
         case READER_ERROR:
             outcome = OUTCOME_FAILED;
@@ -40,6 +46,18 @@ enum outcome plot_read_chunks(struct link *link, const char *job, const char *st
     }
     reader_close(reader);
     return outcome;
+}
+
+enum outcome plot_read_stream(struct link *link, const cJSON *record, const char *stream,
+                              void (*take)(void *, const struct reader_chunk *), void *context, struct scree_error *err)
+{
+    return read_chunks(link, record, stream, 0, plot_chunks_of(record, stream), take, context, err);
+}
+
+enum outcome plot_read_chunk(struct link *link, const cJSON *record, const char *stream, uint64_t at,
+                             void (*take)(void *, const struct reader_chunk *), void *context, struct scree_error *err)
+{
+    return read_chunks(link, record, stream, at, at + 1, take, context, err);
 }
 
 uint64_t plot_chunks_of(const cJSON *record, const char *stream)

@@ -5,9 +5,13 @@
 
 #include "reader.h"
 
-/* Hands every chunk from `from` up to the stream's `count` to `take`. */
-enum outcome plot_read_chunks(struct link *link, const char *job, const char *stream, uint64_t from, uint64_t count,
+/* Hands all chunks that a stream has by the job's record of `show` to `take`; none where there is no such stream. */
+enum outcome plot_read_stream(struct link *link, const cJSON *record, const char *stream,
                               void (*take)(void *, const struct reader_chunk *), void *context, struct scree_error *err);
+
+/* The same of one of them, which may be a frame of some megabytes: no other is sent. */
+enum outcome plot_read_chunk(struct link *link, const cJSON *record, const char *stream, uint64_t at,
+                             void (*take)(void *, const struct reader_chunk *), void *context, struct scree_error *err);
 
 /* How many chunks a stream has, by the record of `show`; 0 where there is no such stream. */
 uint64_t plot_chunks_of(const cJSON *record, const char *stream);

@@ -85,14 +85,14 @@ struct span {
 
 static enum outcome read_span(struct link *link, const cJSON *record, struct span *out, struct scree_error *err)
 {
-    const char *id = json_text(record, "id"), *stream = streams[ASIDE];
+    const char *stream = streams[ASIDE];
     const uint64_t n = out->frames = plot_chunks_of(record, stream);
     double before_s = 0;
-    enum outcome outcome = plot_read_chunks(link, id, stream, 0, 1, take_time, &out->first_s, err);
+    enum outcome outcome = plot_read_chunk(link, record, stream, 0, take_time, &out->first_s, err);
     if (!outcome && n > 2)
-        outcome = plot_read_chunks(link, id, stream, n - 2, n - 1, take_time, &before_s, err);
+        outcome = plot_read_chunk(link, record, stream, n - 2, take_time, &before_s, err);
     if (!outcome)
-        outcome = plot_read_chunks(link, id, stream, n - 1, n, take_time, &out->last_s, err);
+        outcome = plot_read_chunk(link, record, stream, n - 1, take_time, &out->last_s, err);
     out->every_s = n > 2 ? (before_s - out->first_s) / (double)(n - 2) : 1;
     return outcome;
 }
@@ -131,7 +131,7 @@ enum outcome plot_views_read(struct link *link, const cJSON *record, struct plot
     for (size_t k = 0; k < v->rows; k++)
         for (int c = 0; c < PLOT_VIEWS_CAMERAS && !outcome; c++) {
             struct taking taking = {v, c, k};
-            outcome = plot_read_chunks(link, json_text(record, "id"), streams[c], frame[k], frame[k] + 1, take, &taking, err);
+            outcome = plot_read_chunk(link, record, streams[c], frame[k], take, &taking, err);
         }
     return outcome;
 }

@@ -13,6 +13,7 @@ enum { COLUMNS_MAX = 4096 };
 struct reader {
     void *socket;
     uint64_t next;
+    long long owed;              // bytes of the chunk handed out, to be granted again
     struct wire_message message; // holds the names of the chunk handed out
     double *values;              // a frame's bytes need not be aligned
     size_t room;
@@ -47,16 +48,17 @@ static bool send_open(struct reader *reader, const char *job, const char *stream
     return sent;
 }
 
-enum outcome reader_open(struct link *link, const char *job, const char *stream, uint64_t from, struct reader **out,
-                         struct scree_error *err)
+enum outcome reader_open(struct link *link, const char *job, const char *stream, uint64_t from, enum reader_ahead ahead,
+                         struct reader **out, struct scree_error *err)
 {
     struct reader *reader = calloc(1, sizeof *reader);
     *out = NULL;
     if (!reader)
         return outcome_fail(err, OUTCOME_FAILED, "no memory to read a stream");
+    const long long credit = ahead == READER_ONE ? 1 : PROTOCOL_CREDIT_MAX; // a chunk larger than any credit comes alone
     reader->next = from;
     enum outcome outcome = link_stream_socket(link, &reader->socket, err);
-    if (!outcome && (!send_open(reader, job, stream, from) || !send_header(reader, "credit", PROTOCOL_CREDIT_MAX)))
+    if (!outcome && (!send_open(reader, job, stream, from) || !send_header(reader, "credit", credit)))
         outcome = outcome_fail(err, OUTCOME_FAILED, "cannot open the stream %s", stream);
     if (outcome) {
         reader_close(reader);
@@ -132,14 +134,16 @@ static enum reader_event take_chunk(struct reader *reader, struct reader_chunk *
                                    .column_names = names,
                                    .units = json_get(header, "units")};
     reader->next++;
-    if (bytes)
-        send_header(reader, "credit", (long long)bytes);
+    reader->owed = (long long)bytes;
     return READER_CHUNK;
 }
 
 enum reader_event reader_next(struct reader *reader, int milliseconds, struct reader_chunk *chunk, struct scree_error *err)
 {
     wire_release(&reader->message);
+    if (reader->owed)
+        send_header(reader, "credit", reader->owed);
+    reader->owed = 0;
     if (!wire_receive(reader->socket, milliseconds, &reader->message))
         return READER_QUIET;
     const cJSON *header = reader->message.header;

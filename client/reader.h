@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* One subscription to one stream of one job, paid for with credit.
  *
- * The reader grants what it is ready to hold and grants again what it has
- * handed on, so that a slow consumer slows the daemon's sending and nothing else. */
+ * The reader grants what it is ready to hold and, when the next is asked for, again
+ * what it has handed on, so that a slow consumer slows the daemon's sending and nothing else. */
 #ifndef SCREE_CLIENT_READER_H
 #define SCREE_CLIENT_READER_H
 
@@ -33,8 +33,11 @@ enum reader_event {
     READER_DAMAGED, // a gap, a wrong checksum or a wrong size: open it again
 };
 
-enum outcome reader_open(struct link *link, const char *job, const char *stream, uint64_t from, struct reader **out,
-                         struct scree_error *err);
+/* READER_ONE: chunks come one by one, each when it is asked for. READER_MANY: up to PROTOCOL_CREDIT_MAX bytes are on their way. */
+enum reader_ahead { READER_ONE, READER_MANY };
+
+enum outcome reader_open(struct link *link, const char *job, const char *stream, uint64_t from, enum reader_ahead ahead,
+                         struct reader **out, struct scree_error *err);
 void reader_close(struct reader *reader); // before its link is closed
 
 /* Waits up to `milliseconds` for what comes next. */
