@@ -113,9 +113,9 @@ static void draw_spectrum(struct picture *p, const cJSON *record, const struct s
                 corner, corner, corner / 1e3, power, corner);
     fprintf(p->script, "plot ");
     for (size_t c = 0; c < s->columns; c++) {
-        if ((int)c == s->frequency)
-            continue;
         bool fit = c > COMPONENTS;
+        if ((int)c == s->frequency || (fit && !fitted))
+            continue;
         fprintf(p->script, "$spectrum using %d:%zu with lines lw %s lc rgb '%s' title ", s->frequency + 1, c + 1,
                 fit ? "2 dt 2" : "1.2", fit || c == 0 ? "#000000" : colours[c - 1]);
         picture_quote(p, s->names[c]);
