@@ -17,11 +17,12 @@ static enum outcome read_chunks(struct link *link, const cJSON *record, const ch
     struct reader *reader = NULL;
     struct reader_chunk chunk;
     const char *job = json_text(record, "id");
-    bool ends = cJSON_IsNumber(json_get(record, "ended")) && to == plot_chunks_of(record, stream);
     enum outcome outcome =
         from < to ? reader_open(link, job, stream, from, to - from == 1 ? READER_ONE : READER_MANY, &reader, err) : OUTCOME_DONE;
+    if (cJSON_IsNumber(json_get(record, "ended")) && to == plot_chunks_of(record, stream))
+        to = UINT64_MAX; // until the end is said
     double quiet = now_s();
-    while (!outcome && reader && (reader_position(reader) < to || ends)) {
+    while (!outcome && reader && reader_position(reader) < to) {
         switch (reader_next(reader, 200, &chunk, err)) {
         case READER_CHUNK:
             take(context, &chunk);
@@ -34,7 +35,6 @@ static enum outcome read_chunks(struct link *link, const cJSON *record, const ch
             break;
         case READER_END:
             to = 0;
-            ends = false;
             break;
         case READER_ERROR:
             outcome = OUTCOME_FAILED;

@@ -44,7 +44,7 @@ static bool spread_of(const struct coarse_grid *grid, double z, bool cut, struct
 
 /* From one height to the next a Gaussian changes by a factor that itself changes by a constant one, so that its values at
  * all heights follow from that at the nearest: errors stay below 1e-12, and flows have thousands of collisions a grain and second.
- * `n` is a constant wherever this is used: 1.6 times as fast. */
+ * Where `n` is a constant this is 1.6 times as fast. */
 static inline __attribute__((always_inline)) void add_weighted(const struct spread w, const double *restrict values, size_t n,
                                                                double *restrict sums, size_t stride)
 {

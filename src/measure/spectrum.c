@@ -260,17 +260,21 @@ static struct spectrum_fit fit_at(double tau, double guess, const struct fitted 
     return fit;
 }
 
-/* The best of tau from `low` to `high` in steps of `ratio`; none is used where too few frequencies lie below the edge.
- * `longest` becomes the last tau tried. */
-static struct spectrum_fit best_fit(double low, double high, double ratio, double guess, const struct fitted *d, double *longest)
+/* Whether a tau is to be tried: too few frequencies lie below the edge of a longer one. */
+static bool within(double tau, double high, const struct fitted *d)
+{
+    return tau < high && below(FIT_EDGE / tau, d) >= FIT_LEAST;
+}
+
+/* The best of tau from `low` to `high` in steps of `ratio`; none is used where none is to be tried. */
+static struct spectrum_fit best_fit(double low, double high, double ratio, double guess, const struct fitted *d)
 {
     struct spectrum_fit best = {0};
-    for (double tau = low; tau < high && below(FIT_EDGE / tau, d) >= FIT_LEAST; tau *= ratio) {
+    for (double tau = low; within(tau, high, d); tau *= ratio) {
         struct spectrum_fit fit = fit_at(tau, guess, d);
         if (best.used == 0 || fit.misfit < best.misfit)
             best = fit;
         guess = fit.power;
-        *longest = tau;
     }
     return best;
 }
@@ -289,12 +293,11 @@ enum scree_status spectrum_fit(const double *f, const double *power, size_t n, c
         return scree_fail(err, SCREE_INVALID, NULL,
                           "a fit of zeta needs at least %d frequencies with power between %.9g and %.9g Hz, and there are %zu",
                           FIT_LEAST, range[0], range[1], count);
-    double longest = 0, unused;
-    struct spectrum_fit fit = best_fit(FIT_LOW, FIT_HIGH, FIT_COARSE, exp(guess / (double)count), &data, &longest);
-    if (fit.tau == longest)
+    struct spectrum_fit fit = best_fit(FIT_LOW, FIT_HIGH, FIT_COARSE, exp(guess / (double)count), &data);
+    if (fit.used == 0 || !within(fit.tau * FIT_COARSE, FIT_HIGH, &data)) // none, or the longest that was tried
         return scree_fail(err, SCREE_INVALID, NULL,
                           "no corner lies between %.9g and %.9g Hz: power falls from the lowest frequencies on", range[0],
                           range[1]);
-    *out = best_fit(fit.tau / FIT_COARSE, fit.tau * FIT_COARSE, FIT_FINE, fit.power, &data, &unused);
+    *out = best_fit(fit.tau / FIT_COARSE, fit.tau * FIT_COARSE, FIT_FINE, fit.power, &data);
     return SCREE_OK;
 }
