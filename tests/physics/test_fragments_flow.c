@@ -17,6 +17,7 @@ struct frame {
 
 struct outcome {
     struct summary summary;
+    double still_rear_first, still_rear_last;                              // the first that is seen to lie still at all
     double rear_over_middle[2];                                            // speeds along x, at 0.6 s and at 0.9 s
     double layer_speed[LAYERS], layer_bodies[LAYERS], layer_cubes[LAYERS]; // of the layers at half a second
     size_t layers;
@@ -53,6 +54,11 @@ static enum scree_status keep(void *context, const struct scree_chunk *chunk, st
     struct outcome *o = context;
     size_t columns = chunk->stream->column_count;
     (void)err;
+    for (size_t r = 0; strcmp(chunk->stream->name, "flow") == 0 && r < chunk->rows; r++) {
+        o->still_rear_last = chunk->values[r * columns + columns - 2];
+        if (o->still_rear_first == 0)
+            o->still_rear_first = o->still_rear_last;
+    }
     for (int k = 0; k < 2; k++)
         if (strcmp(chunk->stream->name, "snapshots") == 0 && fabs(chunk->t0_s - (k == 0 ? 0.6 : 0.9)) < 0.05)
             o->rear_over_middle[k] = rear_over_middle(chunk);
@@ -111,6 +117,7 @@ static void mobility_is_near_the_published_lines(void **state)
         assert_true(o[0].layer_speed[k] > o[0].layer_speed[k - 1]);
         assert_true(o[0].layer_cubes[k] > o[0].layer_cubes[0]);
     }
+    assert_true(o[0].still_rear_last > 0 && o[0].still_rear_last < o[0].still_rear_first);
     /* The rear first follows the middle, then runs into what slows down before it: it accumulates at the back. */
     if (!(o[0].rear_over_middle[0] < 0.9 && o[0].rear_over_middle[1] > 1.3))
         fail_msg("rear over middle %g, then %g", o[0].rear_over_middle[0], o[0].rear_over_middle[1]);
